@@ -1,0 +1,11 @@
+//! Metropolis light transport in primary sample space, over a bidirectional path tracer.
+//!
+//! Every method here is a map from a point of the unit hypercube to splats on the film (a path
+//! sampler, [`integrators`]) and a driver that decides how the point moves ([`render`]): at random,
+//! or as the state of a Markov chain ([`markov`]). Rooms use only what stands below them:
+//!
+//! `commands` > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
+//! [`film`], [`statistics`] > [`math`].
+#![deny(missing_docs)]
+
+pub mod math;

@@ -1,0 +1,66 @@
+//! Independent streams of random numbers.
+
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// What a stream is for; streams of different purposes share nothing.
+#[derive(Clone, Copy, Debug)]
+pub enum Purpose {
+    /// A run of pixels in one pass of Monte Carlo.
+    Pixels,
+    /// A sample of the bootstrap.
+    Bootstrap,
+    /// The choice of bootstrap samples that chains start from.
+    Resampling,
+    /// Rays that look for light which no sampler can find.
+    Probes,
+    /// The chains; one stream, from which each chain jumps on.
+    Chains,
+}
+
+/// Finaliser of SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators"):
+/// a bijection whose every output bit depends on every input bit.
+fn mix(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// The generator for item `index` of a purpose, under the user's seed.
+pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus {
+    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+    let key = mix(seed.wrapping_add(GOLDEN)) ^ (purpose as u64 + 1).wrapping_mul(GOLDEN);
+    Xoshiro256PlusPlus::seed_from_u64(mix(mix(key).wrapping_add(index.wrapping_mul(GOLDEN))))
+}
+
+/// One generator per chain, each 2^128 numbers apart in a single sequence.
+pub fn chain_generators(seed: u64, chains: usize) -> Vec<Xoshiro256PlusPlus> {
+    let mut generator = generator(seed, Purpose::Chains, 0);
+    let mut streams = Vec::with_capacity(chains);
+    for _ in 0..chains {
+        streams.push(generator.clone());
+        generator.jump();
+    }
+    streams
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::Rng;
+
+    #[test]
+    fn streams_differ_by_seed_purpose_index_and_chain() {
+        let mut first = std::collections::HashSet::new();
+        for seed in [0, 1, u64::MAX] {
+            for purpose in [Purpose::Pixels, Purpose::Bootstrap, Purpose::Resampling] {
+                for index in 0..100 {
+                    assert!(first.insert(generator(seed, purpose, index).next_u64()));
+                }
+            }
+            for mut chain in chain_generators(seed, 100) {
+                assert!(first.insert(chain.next_u64()));
+            }
+        }
+    }
+}
