@@ -8,5 +8,6 @@
 //! [`film`], [`statistics`] > [`math`].
 #![deny(missing_docs)]
 
+pub mod film;
 pub mod math;
 pub mod statistics;

@@ -1,0 +1,17 @@
+//! From splats to an image: reconstruction filters, sums in f64, EXR and PNG files.
+
+pub mod accumulate;
+pub mod exr;
+pub mod file;
+pub mod filter;
+pub mod png;
+pub mod read;
+pub mod sampler;
+
+pub use accumulate::{Film, Splat, SplatLog};
+pub use exr::{AttributeValue, write_exr};
+pub use file::{WriteError, check_writable, replace_file};
+pub use filter::{Filter, FilterSampler};
+pub use png::write_png;
+pub use read::{Decode, Image, ReadImageError, read_image};
+pub use sampler::FilmSampler;

@@ -1,0 +1,187 @@
+//! Images from files: OpenEXR, PNG, JPEG and Radiance HDR.
+
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader};
+use std::path::Path;
+
+use exr::meta::MetaData;
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+
+/// Most pixels of an image: 16384 x 8192. A file may claim any size, and memory is finite.
+const MOST_PIXELS: usize = 1 << 27;
+/// Most bytes that a decoder may allocate.
+const MOST_BYTES: u64 = 1 << 31;
+/// Most pixels per byte of an OpenEXR file: its best compression, deflate, makes at most 1032 bytes
+/// of one, and a pixel has at least two.
+const MOST_EXR_PIXELS_PER_BYTE: u64 = 1032 / 2;
+
+/// An image in linear RGB with the primaries of sRGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Pixels in a column.
+    pub height: usize,
+    /// `width * height` pixels, rows from top to bottom.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// What the numbers of an integer image (PNG, JPEG) mean. Images in floating point are linear
+/// whatever this says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decode {
+    /// Colours encoded by the transfer function of sRGB (IEC 61966-2-1).
+    Srgb,
+    /// Linear numbers.
+    Raw,
+}
+
+/// Why an image cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadImageError {
+    /// The file is missing or cannot be read.
+    #[error("cannot read the image: {0}")]
+    Io(#[from] io::Error),
+    /// The image has more pixels than memory should be spent on, or than the file can hold.
+    #[error("the image claims {width} x {height} pixels, more than {limit} in all")]
+    TooLarge {
+        /// Pixels in a row.
+        width: usize,
+        /// Pixels in a column.
+        height: usize,
+        /// Most pixels possible.
+        limit: usize,
+    },
+    /// The file is broken or of another format than its name says.
+    #[error("not a usable image (PNG, JPEG, OpenEXR or Radiance HDR): {0}")]
+    Format(String),
+}
+
+/// Reads an image. The format is found from the contents, for OpenEXR from the name's ending. An
+/// alpha channel is left out; grey becomes RGB.
+///
+/// # Errors
+/// If the file cannot be read, is broken, or claims to be beyond reason in size.
+pub fn read_image(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::other("it is not a file").into());
+    }
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or("");
+    if extension.eq_ignore_ascii_case("exr") {
+        read_exr(path, metadata.len())
+    } else {
+        read_other(path, decode)
+    }
+}
+
+fn read_exr(path: &Path, file_bytes: u64) -> Result<Image, ReadImageError> {
+    let broken = |error: exr::error::Error| ReadImageError::Format(error.to_string());
+    let header = MetaData::read_from_file(path, false).map_err(broken)?;
+    let possible = file_bytes.saturating_mul(MOST_EXR_PIXELS_PER_BYTE);
+    let limit = MOST_PIXELS.min(usize::try_from(possible).unwrap_or(MOST_PIXELS));
+    for layer in &header.headers {
+        check_size(layer.layer_size.width(), layer.layer_size.height(), limit)?;
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .map_err(broken)?;
+    let layer = &image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    let channels = &layer.channel_data.list;
+    let channel = |name: &str| {
+        let found = channels.iter().find(|c| c.name.eq_case_insensitive(name));
+        found
+            .filter(|c| c.sampling.width() == 1 && c.sampling.height() == 1)
+            .map(|c| samples(&c.sample_data))
+            .filter(|samples| samples.len() == width * height)
+    };
+    let pixels = if let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) {
+        let rgb = r.into_iter().zip(g).zip(b);
+        rgb.map(|((r, g), b)| [r, g, b]).collect()
+    } else if let Some(y) = channel("Y") {
+        y.into_iter().map(|y| [y; 3]).collect()
+    } else {
+        let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
+        return Err(ReadImageError::Format(format!(
+            "its channels are {}; needed are R, G and B, or Y",
+            names.join(", ")
+        )));
+    };
+    Ok(Image {
+        width,
+        height,
+        pixels,
+    })
+}
+
+fn samples(samples: &FlatSamples) -> Vec<f32> {
+    samples.values_as_f32().collect()
+}
+
+fn read_other(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
+    let mut file = BufReader::new(File::open(path)?);
+    let decoded = if file.fill_buf()?.starts_with(b"#?") {
+        // Mitsuba, among others, does not write the first line that the format demands.
+        let decoder = HdrDecoder::new_nonstrict(file).map_err(broken)?;
+        let (width, height) = decoder.dimensions();
+        check_size(width as usize, height as usize, MOST_PIXELS)?;
+        DynamicImage::from_decoder(decoder).map_err(broken)?
+    } else {
+        let mut reader = ImageReader::new(file).with_guessed_format()?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(MOST_BYTES);
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(broken)?;
+        let (width, height) = decoder.dimensions();
+        check_size(width as usize, height as usize, MOST_PIXELS)?;
+        DynamicImage::from_decoder(decoder).map_err(broken)?
+    };
+    let is_float = matches!(
+        decoded,
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)
+    );
+    let to_linear = match decode {
+        Decode::Srgb if !is_float => srgb_to_linear,
+        _ => std::convert::identity,
+    };
+    let rgb = decoded.into_rgb32f();
+    Ok(Image {
+        width: rgb.width() as usize,
+        height: rgb.height() as usize,
+        pixels: rgb.pixels().map(|p| p.0.map(to_linear)).collect(),
+    })
+}
+
+fn broken(error: ImageError) -> ReadImageError {
+    ReadImageError::Format(error.to_string())
+}
+
+fn check_size(width: usize, height: usize, limit: usize) -> Result<(), ReadImageError> {
+    let pixels = width.checked_mul(height);
+    if pixels.is_some_and(|pixels| pixels > 0 && pixels <= limit) {
+        return Ok(());
+    }
+    Err(ReadImageError::TooLarge {
+        width,
+        height,
+        limit,
+    })
+}
+
+/// The inverse of the transfer function of sRGB (IEC 61966-2-1).
+fn srgb_to_linear(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}

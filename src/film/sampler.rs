@@ -1,0 +1,44 @@
+//! Film positions for the samples of a given pixel.
+
+use super::filter::{Filter, FilterSampler};
+
+/// Filter importance sampling (Ernst et al. 2006, "Filter importance sampling"): places samples of a
+/// pixel in proportion to its reconstruction filter, so that their plain mean is the pixel's value.
+/// At the border of the film the filter is cut off and normalised anew.
+#[derive(Clone, Debug)]
+pub struct FilmSampler {
+    sampler: FilterSampler,
+    /// Per column and per row, the filter's primitive at both ends of its part within the film.
+    columns: Vec<[f64; 2]>,
+    rows: Vec<[f64; 2]>,
+}
+
+impl FilmSampler {
+    /// For a film of `width` x `height` pixels.
+    pub fn new(width: u32, height: u32, filter: Filter) -> Self {
+        Self {
+            sampler: FilterSampler::new(filter),
+            columns: filter.parts_within(width),
+            rows: filter.parts_within(height),
+        }
+    }
+
+    /// The film position, in [0, 1)^2, of the sample of `pixel` (index in rows from the top) that
+    /// `u` in [0, 1)^2 maps to.
+    #[inline]
+    pub fn pixel_position(&self, pixel: usize, u: [f32; 2]) -> [f32; 2] {
+        let width = self.columns.len();
+        [
+            self.position(&self.columns, pixel % width, u[0]),
+            self.position(&self.rows, pixel / width, u[1]),
+        ]
+    }
+
+    #[inline]
+    fn position(&self, parts: &[[f64; 2]], j: usize, u: f32) -> f32 {
+        let [begin, end] = parts[j];
+        let offset = self.sampler.invert(begin + f64::from(u) * (end - begin));
+        let position = (j as f64 + 0.5 + offset) / parts.len() as f64;
+        (position as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
+    }
+}
