@@ -10,4 +10,5 @@
 
 pub mod film;
 pub mod math;
+pub mod scene;
 pub mod statistics;

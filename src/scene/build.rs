@@ -1,0 +1,268 @@
+//! From a scene's description to the scene: world coordinates to scene units, once and in f64, so
+//! that neither the scale of a scene nor its distance from the origin costs precision.
+
+use glam::{DMat3, DMat4, DVec3};
+
+use super::camera::Camera;
+use super::emitter::{
+    AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
+};
+use super::geometry::GeometryBuilder;
+use super::{
+    EmitterDescription, SCENE_RADIUS, Scene, SceneDescription, SceneError, ShapeDescription,
+    ShapeGeometry, TriangleMesh,
+};
+use crate::math::Rgb;
+
+/// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
+/// scene file.
+const SIMILARITY_TOLERANCE: f64 = 1e-4;
+
+impl SceneDescription {
+    /// The scene, ready to be rendered. Materials and textures are taken as they are.
+    ///
+    /// # Errors
+    /// If a transform is singular, or stretches a sphere or environment; if an area emitter has no
+    /// area; if there is no emitter, or more than one environment.
+    pub fn build(self) -> Result<Scene, SceneError> {
+        for shape in &self.shapes {
+            check_transform(shape)?;
+        }
+        let units = Units::of(&self.shapes);
+        let aspect = f64::from(self.film.width) / f64::from(self.film.height);
+        let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
+        let mut geometry = GeometryBuilder::default();
+        let mut emitters = Vec::new();
+        for shape in self.shapes {
+            emitters.extend(add_shape(shape, &units, &mut geometry)?);
+        }
+        for emitter in self.emitters {
+            emitters.push(place_emitter(emitter, &units)?);
+        }
+        let geometry = geometry.build();
+        Ok(Scene {
+            camera,
+            emitters: Emitters::new(emitters, geometry.shape_count())?,
+            geometry,
+            materials: self.materials,
+            textures: self.textures,
+            film: self.film,
+            depth: self.depth,
+            unit: units.unit,
+            center: units.center,
+        })
+    }
+}
+
+/// How world coordinates become scene units: p to (p - `center`) / `unit`.
+struct Units {
+    center: DVec3,
+    unit: f64,
+}
+
+impl Units {
+    /// Those in which the shapes have a bounding sphere of [`SCENE_RADIUS`] around the origin. A
+    /// scene without extent keeps its own units.
+    fn of(shapes: &[ShapeDescription]) -> Self {
+        let mut min = DVec3::INFINITY;
+        let mut max = DVec3::NEG_INFINITY;
+        for shape in shapes {
+            for_each_extreme(shape, |center, radius| {
+                min = min.min(center - radius);
+                max = max.max(center + radius);
+            });
+        }
+        let center = if min.cmple(max).all() {
+            0.5 * (min + max)
+        } else {
+            DVec3::ZERO
+        };
+        let mut bounding_radius: f64 = 0.0;
+        for shape in shapes {
+            for_each_extreme(shape, |extreme, radius| {
+                bounding_radius = bounding_radius.max(extreme.distance(center) + radius);
+            });
+        }
+        let unit = bounding_radius / f64::from(SCENE_RADIUS);
+        Self {
+            center,
+            unit: if unit > 0.0 { unit } else { 1.0 },
+        }
+    }
+
+    /// World coordinates to scene units.
+    fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.center) / self.unit
+    }
+
+    /// A shape's own coordinates to scene units.
+    fn placed(&self, to_world: &DMat4) -> DMat4 {
+        DMat4::from_scale(DVec3::splat(1.0 / self.unit))
+            * DMat4::from_translation(-self.center)
+            * *to_world
+    }
+}
+
+/// Calls `visit` with spheres in the world (points have radius 0) that together bound the shape.
+fn for_each_extreme(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64)) {
+    match &shape.geometry {
+        ShapeGeometry::Mesh(mesh) => {
+            // Only what triangles use: a stray vertex must not shrink the scene.
+            for &vertex in mesh.triangles.iter().flatten() {
+                let p = DVec3::from_array(mesh.positions[vertex as usize].map(f64::from));
+                visit(shape.to_world.transform_point3(p), 0.0);
+            }
+        }
+        ShapeGeometry::Sphere { center, radius } => {
+            let scale = DMat3::from_mat4(shape.to_world).x_axis.length();
+            visit(
+                shape.to_world.transform_point3(*center),
+                scale * radius.abs(),
+            );
+        }
+    }
+}
+
+/// Checks that a shape's transform has an inverse, and is a similarity if the shape is a sphere.
+fn check_transform(shape: &ShapeDescription) -> Result<(), SceneError> {
+    let name = || shape.name.clone();
+    let linear = DMat3::from_mat4(shape.to_world);
+    let invertible = linear.determinant() != 0.0 && linear.inverse().is_finite();
+    if !(shape.to_world.is_finite() && invertible) {
+        return Err(SceneError::SingularTransform { name: name() });
+    }
+    match &shape.geometry {
+        ShapeGeometry::Mesh(_) => Ok(()),
+        ShapeGeometry::Sphere { center, radius } => {
+            if !center.is_finite() || !radius.is_finite() {
+                return Err(SceneError::SingularTransform { name: name() });
+            }
+            match orthogonal(linear) {
+                Some(_) => Ok(()),
+                None => Err(SceneError::StretchedSphere { name: name() }),
+            }
+        }
+    }
+}
+
+/// The orthogonal matrix that `linear` is a positive multiple of, if it is one.
+fn orthogonal(linear: DMat3) -> Option<DMat3> {
+    let scale = linear.determinant().abs().cbrt();
+    let unit = linear * (1.0 / scale);
+    let deviation = (unit.transpose() * unit - DMat3::IDENTITY).to_cols_array();
+    let similar = deviation.iter().all(|x| x.abs() <= SIMILARITY_TOLERANCE);
+    similar.then_some(unit)
+}
+
+/// Adds a shape, and tells the emitter that it is.
+fn add_shape(
+    shape: ShapeDescription,
+    units: &Units,
+    geometry: &mut GeometryBuilder,
+) -> Result<Option<Emitter>, SceneError> {
+    let ShapeDescription {
+        name,
+        material,
+        flip_normals,
+        emission,
+        ..
+    } = shape;
+    let to_scene = units.placed(&shape.to_world);
+    let (index, light) = match shape.geometry {
+        ShapeGeometry::Mesh(mesh) => {
+            let mesh = place_mesh(mesh, &to_scene);
+            let index = geometry.add_mesh(name.clone(), material, flip_normals, mesh);
+            let light = emission.map(|radiance| {
+                AreaEmitter::triangles(radiance, geometry.last_triangles().collect())
+            });
+            (index, light)
+        }
+        ShapeGeometry::Sphere { center, radius } => {
+            // A negative radius is a reflection in the centre, as in Mitsuba.
+            let linear = DMat3::from_mat4(to_scene) * radius;
+            let inward = flip_normals != (linear.determinant() < 0.0);
+            let center = to_scene.transform_point3(center).as_vec3a();
+            let radius = linear.determinant().abs().cbrt() as f32;
+            let to_local = orthogonal(linear).unwrap_or(DMat3::IDENTITY).transpose();
+            let to_local = to_local.as_mat3().into();
+            let ball = (center, radius);
+            let index = geometry.add_sphere(name.clone(), material, inward, ball, to_local);
+            let light =
+                emission.map(|radiance| AreaEmitter::sphere(radiance, center, radius, inward));
+            (index, light)
+        }
+    };
+    match light {
+        None => Ok(None),
+        Some(None) => Err(SceneError::EmitterWithoutArea { name }),
+        Some(Some(light)) => Ok(Some(Emitter::Area {
+            light,
+            shape: index,
+        })),
+    }
+}
+
+/// The mesh in scene units, its normals of unit length.
+fn place_mesh(mut mesh: TriangleMesh, to_scene: &DMat4) -> TriangleMesh {
+    for position in &mut mesh.positions {
+        let p = DVec3::from_array(position.map(f64::from));
+        *position = to_scene.transform_point3(p).as_vec3().to_array();
+    }
+    let normal_to_scene = DMat3::from_mat4(*to_scene).inverse().transpose();
+    for normal in &mut mesh.normals {
+        let n = DVec3::from_array(normal.map(f64::from));
+        *normal = (normal_to_scene * n)
+            .normalize_or_zero()
+            .as_vec3()
+            .to_array();
+    }
+    mesh
+}
+
+/// An emitter that is not a surface, in scene units.
+fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, SceneError> {
+    Ok(match emitter {
+        EmitterDescription::Point {
+            position,
+            intensity,
+        } => Emitter::Point {
+            position: units.point(position).as_vec3a(),
+            // Irradiance I/d^2 must not change with the unit of d.
+            intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
+        },
+        EmitterDescription::Directional {
+            direction,
+            irradiance,
+        } => Emitter::Directional(DirectionalEmitter {
+            direction: direction
+                .try_normalize()
+                .ok_or_else(|| SceneError::SingularTransform {
+                    name: "directional emitter".into(),
+                })?
+                .as_vec3a(),
+            irradiance,
+        }),
+        EmitterDescription::Constant { radiance } => {
+            Emitter::Environment(Environment::Constant(radiance))
+        }
+        EmitterDescription::Environment {
+            width,
+            mut pixels,
+            scale,
+            to_world,
+        } => {
+            for pixel in &mut pixels {
+                *pixel = (Rgb::from_array(*pixel) * scale).to_array();
+            }
+            let to_scene = orthogonal(DMat3::from_mat4(to_world))
+                .ok_or(SceneError::StretchedEnvironment)?
+                .as_mat3()
+                .into();
+            let map = EnvironmentMap::new(width, pixels).ok_or(SceneError::EnvironmentSize)?;
+            Emitter::Environment(Environment::Map { map, to_scene })
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,169 @@
+use glam::{DMat3, DMat4, DVec3, Vec3A};
+
+use crate::math::Rgb;
+use crate::scene::test_scenes::{Numbers, blob, description, emitting, mesh, scene, shape, sphere};
+use crate::scene::{
+    EmitterDescription, EmitterKind, SCENE_RADIUS, SceneError, ShapeDescription, ShapeGeometry,
+    TriangleMesh,
+};
+
+fn lamp() -> EmitterDescription {
+    EmitterDescription::Constant { radiance: Rgb::ONE }
+}
+
+#[test]
+fn shapes_fill_the_bounding_sphere() {
+    let mut stray = TriangleMesh::rectangle();
+    stray.positions.push([1e6, 0.0, 0.0]);
+    stray.normals.push([0.0, 0.0, 1.0]);
+    stray.uvs.push([0.0, 0.0]);
+    for shapes in [
+        vec![mesh(TriangleMesh::cube(), DMat4::IDENTITY)],
+        vec![mesh(stray, DMat4::from_rotation_x(1.0))],
+        vec![
+            sphere(DVec3::new(5.0, 1.0, -7.0), 3.0),
+            mesh(blob(9), DMat4::IDENTITY),
+        ],
+        vec![sphere(DVec3::splat(1e5), 1e-2)],
+    ] {
+        let extent = |shape: &ShapeDescription| match &shape.geometry {
+            ShapeGeometry::Sphere { radius, .. } => *radius,
+            ShapeGeometry::Mesh(_) => 0.0,
+        };
+        let radius = shapes.iter().map(extent).fold(0.0, f64::max);
+        let scene = scene(shapes, vec![]);
+        let (min, max) = scene.geometry.bounds().expect("bounds");
+        assert!(min.max_element() < 0.0 && max.min_element() > -0.1);
+        assert!(((min + max) * 0.5).length() < 0.01, "{min} {max}");
+        let corner = max.length();
+        assert!(
+            corner > SCENE_RADIUS * 0.99 && max.max_element() < SCENE_RADIUS * 1.001,
+            "{max}"
+        );
+        assert!(radius / scene.unit < f64::from(SCENE_RADIUS) * 1.001);
+    }
+}
+
+#[test]
+fn scenes_without_shapes_keep_their_units() {
+    let scene = scene(vec![], vec![]);
+    assert_eq!((scene.unit, scene.center), (1.0, DVec3::ZERO));
+    assert!(scene.geometry.bounds().is_none());
+    let mut counts = crate::scene::RayCounts::default();
+    assert!(scene.geometry.visible(Vec3A::ZERO, Vec3A::X, &mut counts));
+    let ray = crate::scene::Ray {
+        origin: Vec3A::ZERO,
+        direction: Vec3A::X,
+        t_max: f32::INFINITY,
+    };
+    assert!(scene.geometry.intersect(&ray, &mut counts).is_none());
+}
+
+#[test]
+fn transforms_without_sense_are_refused() {
+    let ball = |to_world| {
+        let geometry = ShapeGeometry::Sphere {
+            center: DVec3::X,
+            radius: 2.0,
+        };
+        description(vec![shape(geometry, to_world)], vec![lamp()])
+            .build()
+            .err()
+    };
+    let plate = |to_world| {
+        let plate = mesh(TriangleMesh::rectangle(), to_world);
+        description(vec![plate], vec![lamp()]).build().err()
+    };
+    let stretch = DMat4::from_scale(DVec3::new(1.0, 1.0, 1.01));
+    let mut shear = DMat4::IDENTITY;
+    shear.x_axis.y = 0.01;
+    for bad in [stretch, shear] {
+        assert!(matches!(
+            ball(bad),
+            Some(SceneError::StretchedSphere { .. })
+        ));
+        assert!(plate(bad).is_none());
+    }
+    let flat = DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0));
+    for bad in [flat, DMat4::ZERO, DMat4::IDENTITY * f64::INFINITY] {
+        assert!(matches!(
+            ball(bad),
+            Some(SceneError::SingularTransform { .. })
+        ));
+        assert!(matches!(
+            plate(bad),
+            Some(SceneError::SingularTransform { .. })
+        ));
+    }
+    // Rounded in a file, tiny, huge, mirrored: all of these have sense.
+    let rounded = DMat4::from_mat3(DMat3::from_rotation_y(0.3) * 1.000_01);
+    for good in [
+        rounded,
+        DMat4::from_scale(DVec3::splat(-1e-9)),
+        DMat4::from_scale(DVec3::splat(1e9)),
+    ] {
+        assert!(ball(good).is_none());
+        assert!(plate(good).is_none());
+    }
+    let sky = |to_world| {
+        let sky = EmitterDescription::Environment {
+            width: 2,
+            pixels: vec![[1.0; 3]; 4],
+            scale: 1.0,
+            to_world,
+        };
+        description(vec![], vec![sky]).build().err()
+    };
+    assert!(matches!(
+        sky(stretch),
+        Some(SceneError::StretchedEnvironment)
+    ));
+    assert!(matches!(
+        sky(DMat4::ZERO),
+        Some(SceneError::StretchedEnvironment)
+    ));
+    assert!(sky(DMat4::from_scale(DVec3::new(-2.0, 2.0, 2.0))).is_none());
+    let nowhere = EmitterDescription::Directional {
+        direction: DVec3::ZERO,
+        irradiance: Rgb::ONE,
+    };
+    let error = description(vec![], vec![nowhere]).build().err();
+    assert!(matches!(error, Some(SceneError::SingularTransform { .. })));
+}
+
+/// A negative radius turns a sphere inside out, as Mitsuba's does.
+#[test]
+fn negative_radii_mirror() {
+    let ball = emitting(sphere(DVec3::ZERO, -1.0), Rgb::ONE);
+    let scene = scene(vec![ball], vec![]);
+    let mut numbers = Numbers::new(8);
+    let start = scene
+        .emitters
+        .sample_emission(numbers.unit(), 0.0, numbers.pair(), numbers.pair())
+        .expect("a start");
+    assert!(start.position.dot(start.normal) < 0.0);
+    assert!((start.position.length() / SCENE_RADIUS - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn emitters_know_their_shapes_and_kinds() {
+    let shapes = vec![
+        sphere(DVec3::ZERO, 1.0),
+        emitting(sphere(DVec3::X, 1.0), Rgb::ONE),
+        mesh(TriangleMesh::cube(), DMat4::IDENTITY),
+        emitting(mesh(TriangleMesh::rectangle(), DMat4::IDENTITY), Rgb::ONE),
+    ];
+    let scene = scene(shapes, vec![lamp()]);
+    let of_shapes: Vec<_> = (0..4).map(|i| scene.emitters.of_shape(i)).collect();
+    assert_eq!(of_shapes, [None, Some(0), None, Some(1)]);
+    assert_eq!(scene.emitters.shape(1), Some(3));
+    assert_eq!(scene.emitters.shape(2), None);
+    assert_eq!(scene.emitters.kind(1), EmitterKind::Area);
+    assert_eq!(scene.emitters.kind(2), EmitterKind::Constant);
+    let (min, max) = scene.world_bounds().expect("bounds");
+    assert!(
+        (min - DVec3::NEG_ONE).length() < 1e-5 && (max - DVec3::new(2.0, 1.0, 1.0)).length() < 1e-5
+    );
+    assert_eq!(scene.geometry.shape_name(0), "shape");
+    assert_eq!(scene.geometry.material(3), 0);
+}

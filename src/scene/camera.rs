@@ -1,0 +1,208 @@
+//! Perspective cameras: pinhole and thin lens.
+//!
+//! The film is the unit square: (0, 0) is the top left corner of the image, x goes right and y down.
+//! The importance of the camera is normalised so that a sample of film position and lens point, both
+//! uniform, has weight 1 (pbrt, 4th ed., section 16.1.2 "Sampling cameras" with a film of unit area):
+//!
+//!   W_e(x, w) = 1 / (A_film A_lens cos^4 theta),   A_film at distance 1 from the lens,
+//!
+//! with A_lens left out for a pinhole. Hence p_w(w) = 1 / (A_film cos^3 theta) per steradian.
+
+use glam::{DMat4, DVec3, Vec2, Vec3A};
+
+use super::Ray;
+use super::description::{CameraDescription, SceneError};
+use crate::math::warp::square_to_disk;
+
+/// A camera in scene units.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    position: Vec3A,
+    /// Unit axes: to the right of the image, up, and along the view.
+    right: Vec3A,
+    up: Vec3A,
+    forward: Vec3A,
+    /// Half the width and height of the film at distance 1.
+    half_extent: Vec2,
+    near: f32,
+    far: f32,
+    /// 0 for a pinhole.
+    lens_radius: f32,
+    /// Distance along the axis of the plane in focus; any value for a pinhole.
+    focus: f32,
+}
+
+/// A connection from a point to the lens (technique t = 1).
+#[derive(Clone, Copy, Debug)]
+pub struct LensSample {
+    /// Where on the film the point is seen, in [0, 1)^2.
+    pub film: Vec2,
+    /// Unit, from the point to the lens.
+    pub direction: Vec3A,
+    /// From the point to the near plane: the segment that must be free.
+    pub visible_distance: f32,
+    /// W_e / p(lens point) cos(theta at the lens) / d^2: times the flux-like throughput of the
+    /// light subpath and the cosine at the point gives the contribution to the film.
+    pub importance: f32,
+    /// p_w / d^2 with which the camera samples the direction to the point: times the cosine at the
+    /// point gives the camera's area density there.
+    pub density: f32,
+}
+
+impl Camera {
+    /// The camera of `description` in scene units: world positions p become (p - `center`) / `unit`.
+    ///
+    /// # Errors
+    /// If the transform is singular or not finite.
+    pub fn new(
+        description: &CameraDescription,
+        aspect: f64,
+        center: DVec3,
+        unit: f64,
+    ) -> Result<Self, SceneError> {
+        let singular = || SceneError::SingularTransform {
+            name: "sensor".into(),
+        };
+        let m: DMat4 = description.to_world;
+        let axis = |v: DVec3| m.transform_vector3(v).try_normalize().ok_or_else(singular);
+        let (right, up, forward) = (axis(DVec3::NEG_X)?, axis(DVec3::Y)?, axis(DVec3::Z)?);
+        // Of unit axes: whatever their scale, they must span a volume.
+        if !m.is_finite() || right.cross(up).dot(forward).abs() < 1e-9 {
+            return Err(singular());
+        }
+        let tan_x = (0.5 * description.fov_x.to_radians()).tan();
+        let lens = description.lens;
+        Ok(Self {
+            position: ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a(),
+            right: right.as_vec3a(),
+            up: up.as_vec3a(),
+            forward: forward.as_vec3a(),
+            half_extent: Vec2::new(tan_x as f32, (tan_x / aspect) as f32),
+            near: (description.near_clip / unit) as f32,
+            far: (description.far_clip / unit) as f32,
+            lens_radius: lens.map_or(0.0, |l| (l.aperture_radius / unit) as f32),
+            focus: lens.map_or(1.0, |l| (l.focus_distance / unit) as f32),
+        })
+    }
+
+    /// True if the lens is a point.
+    pub fn is_pinhole(&self) -> bool {
+        self.lens_radius == 0.0
+    }
+
+    /// Centre of the lens.
+    pub fn position(&self) -> Vec3A {
+        self.position
+    }
+
+    /// Unit viewing direction.
+    pub fn forward(&self) -> Vec3A {
+        self.forward
+    }
+
+    /// The ray through `film` and the lens point that `lens` maps to, from the near plane on, and
+    /// the lens point itself.
+    #[inline]
+    pub fn ray(&self, film: Vec2, lens: Vec2) -> (Ray, Vec3A) {
+        let p = (2.0 * film - Vec2::ONE) * self.half_extent;
+        // Point at distance 1 along the axis seen at `film` by a pinhole.
+        let pinhole = self.right * p.x - self.up * p.y + self.forward;
+        let (origin, toward) = if self.is_pinhole() {
+            (self.position, pinhole)
+        } else {
+            let offset = self.lens_offset(lens);
+            (self.position + offset, pinhole * self.focus - offset)
+        };
+        let direction = toward.normalize();
+        let per_depth = direction.dot(self.forward).recip();
+        let ray = Ray {
+            origin: origin + direction * (self.near * per_depth),
+            direction,
+            t_max: (self.far - self.near) * per_depth,
+        };
+        (ray, origin)
+    }
+
+    /// Density with which the camera samples `direction` (unit, away from the lens), per steradian.
+    #[inline]
+    pub fn direction_pdf(&self, direction: Vec3A) -> f32 {
+        let cos = direction.dot(self.forward);
+        (4.0 * self.half_extent.x * self.half_extent.y * cos * cos * cos).recip()
+    }
+
+    /// Connects `point` to the lens point that `lens` maps to; `None` if it is not in view.
+    #[inline]
+    pub fn connect(&self, point: Vec3A, lens: Vec2) -> Option<LensSample> {
+        let to_point = point - self.lens_position(lens);
+        let depth = to_point.dot(self.forward);
+        if !(depth > self.near && depth < self.far) {
+            return None;
+        }
+        let film = self.film_position(to_point, lens)?;
+        let distance = to_point.length();
+        let direction = to_point / distance;
+        // W_e cos / p(lens point) = 1 / (A_film cos^3) = p_w: the lens area cancels.
+        let density = self.direction_pdf(direction) / (distance * distance);
+        Some(LensSample {
+            film,
+            direction: -direction,
+            visible_distance: distance - self.near * distance / depth,
+            importance: density,
+            density,
+        })
+    }
+
+    /// The lens point that `lens` in [0, 1)^2 maps to.
+    #[inline]
+    pub fn lens_position(&self, lens: Vec2) -> Vec3A {
+        if self.is_pinhole() {
+            self.position
+        } else {
+            self.position + self.lens_offset(lens)
+        }
+    }
+
+    /// Where on the film, in [0, 1)^2, light arrives that reaches the lens point of `lens` against
+    /// `direction` (any length, away from the lens); `None` if outside.
+    #[inline]
+    pub fn film_position(&self, direction: Vec3A, lens: Vec2) -> Option<Vec2> {
+        let depth = direction.dot(self.forward);
+        if depth <= 0.0 {
+            return None;
+        }
+        // Where the line meets the plane in focus, as the pinhole at the lens centre sees it.
+        let offset = if self.is_pinhole() {
+            Vec3A::ZERO
+        } else {
+            self.lens_offset(lens)
+        };
+        let plane = direction / depth + offset / self.focus;
+        let p = Vec2::new(plane.dot(self.right), -plane.dot(self.up)) / self.half_extent;
+        let film = (p + Vec2::ONE) * 0.5;
+        let inside = film.x >= 0.0 && film.x < 1.0 && film.y >= 0.0 && film.y < 1.0;
+        inside.then_some(film)
+    }
+
+    /// The part of the segment from lens point `from` to `target`, along the unit `direction`, that
+    /// lies between the clipping planes; `None` if `target` does not.
+    #[inline]
+    pub fn visible_segment(
+        &self,
+        from: Vec3A,
+        direction: Vec3A,
+        target: Vec3A,
+    ) -> Option<(Vec3A, Vec3A)> {
+        let cos = direction.dot(self.forward);
+        let depth = (target - from).dot(self.forward);
+        let seen = cos > 0.0 && depth > self.near && depth < self.far;
+        seen.then(|| (from + direction * (self.near / cos), target))
+    }
+
+    fn lens_offset(&self, lens: Vec2) -> Vec3A {
+        let d = square_to_disk(lens) * self.lens_radius;
+        self.right * d.x + self.up * d.y
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! Tests of emitters. Statistical ones use fixed seeds; each p-value is tested at 1e-4, which is then
+//! the rate of false alarms over seeds.
+
+mod densities;
+mod integrals;
+mod limits;
+mod mitsuba;
+
+use glam::{DMat4, DVec3, Vec3A};
+
+use crate::math::Rgb;
+use crate::scene::test_scenes::{Numbers, emitting, mesh, scene, shape, sphere};
+use crate::scene::{
+    EmissionToward, EmitterDescription, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription,
+    ShapeGeometry, TriangleMesh,
+};
+
+const RADIANCE: Rgb = Rgb::new(2.0, 3.0, 0.5);
+
+/// Something with extent that does not emit, far below, so that a lamp is not all of the scene.
+fn floor() -> ShapeDescription {
+    let down = DMat4::from_translation(DVec3::new(0.0, 0.0, -6.0));
+    mesh(TriangleMesh::rectangle(), down)
+}
+
+fn box_light() -> ShapeDescription {
+    let to_world = DMat4::from_rotation_x(0.5)
+        * DMat4::from_rotation_y(0.3)
+        * DMat4::from_scale(DVec3::new(1.0, 0.5, 0.2));
+    emitting(mesh(TriangleMesh::cube(), to_world), RADIANCE)
+}
+
+fn sphere_light(flip_normals: bool) -> ShapeDescription {
+    let ball = ShapeDescription {
+        flip_normals,
+        ..sphere(DVec3::new(0.2, -0.1, 0.3), 0.7)
+    };
+    emitting(ball, RADIANCE)
+}
+
+/// A sky of few pixels: some black, one very bright.
+fn sky() -> EmitterDescription {
+    let mut numbers = Numbers::new(77);
+    let mut pixels: Vec<[f32; 3]> = (0..7 * 6)
+        .map(|_| (0.5 * (numbers.cube() + 1.0)).to_array())
+        .collect();
+    for dark in [8, 9, 10, 15, 16, 17, 22, 23, 24] {
+        pixels[dark] = [0.0; 3];
+    }
+    pixels[19] = [90.0, 80.0, 70.0];
+    EmitterDescription::Environment {
+        width: 7,
+        pixels,
+        scale: 1.5,
+        to_world: DMat4::from_rotation_x(0.4) * DMat4::from_rotation_z(1.1),
+    }
+}
+
+/// Scenes whose light does not all come from deltas, each with a point (in the world) to be lit.
+fn extended_lights() -> Vec<(&'static str, Scene, DVec3)> {
+    let place = DVec3::new(0.3, 1.4, 1.6);
+    let constant = || EmitterDescription::Constant { radiance: RADIANCE };
+    let room = ShapeDescription {
+        flip_normals: true,
+        ..emitting(mesh(TriangleMesh::cube(), DMat4::IDENTITY), RADIANCE)
+    };
+    vec![
+        ("box", scene(vec![box_light(), floor()], vec![]), place),
+        (
+            "room",
+            scene(vec![room, floor()], vec![]),
+            DVec3::new(0.2, 0.3, -0.5),
+        ),
+        (
+            "sphere",
+            scene(vec![sphere_light(false), floor()], vec![]),
+            place,
+        ),
+        (
+            "sphere from near",
+            scene(vec![sphere_light(false), floor()], vec![]),
+            DVec3::new(0.2, -0.1, 1.001),
+        ),
+        (
+            "sphere from inside",
+            scene(vec![sphere_light(true), floor()], vec![]),
+            DVec3::new(0.4, 0.2, 0.1),
+        ),
+        ("constant", scene(vec![floor()], vec![constant()]), place),
+        ("sky", scene(vec![floor()], vec![sky()]), place),
+        (
+            "many",
+            scene(
+                vec![box_light(), floor(), {
+                    let lamp = ShapeGeometry::Sphere {
+                        center: DVec3::new(2.0, 1.0, 0.0),
+                        radius: 0.4,
+                    };
+                    emitting(shape(lamp, DMat4::IDENTITY), 20.0 * RADIANCE)
+                }],
+                vec![sky(), point_light()],
+            ),
+            place,
+        ),
+    ]
+}
+
+fn point_light() -> EmitterDescription {
+    EmitterDescription::Point {
+        position: DVec3::new(0.5, 0.6, 2.0),
+        intensity: Rgb::new(1.0, 4.0, 9.0),
+    }
+}
+
+fn directional_light() -> EmitterDescription {
+    EmitterDescription::Directional {
+        direction: DVec3::new(0.3, 0.1, -2.0),
+        irradiance: Rgb::new(3.0, 1.0, 2.0),
+    }
+}
+
+fn to_scene(scene: &Scene, world: DVec3) -> Vec3A {
+    ((world - scene.center) / scene.unit).as_vec3a()
+}
+
+/// What a camera subpath from `point` meets: the light and the factor from its native density to
+/// solid angle at `point` (the inverse of [`super::DirectSample::geometry`]).
+fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionToward, f32)> {
+    let ray = Ray {
+        origin: point,
+        direction,
+        t_max: f32::INFINITY,
+    };
+    match scene.geometry.intersect(&ray, &mut RayCounts::default()) {
+        Some(hit) => {
+            let emission = scene.emitters.hit(&hit, point)?;
+            let to = hit.position - point;
+            let cos = -hit.geometric_normal.dot(direction);
+            Some((emission, to.length_squared() / cos))
+        }
+        None => Some((scene.emitters.escape(point, direction)?, 1.0)),
+    }
+}

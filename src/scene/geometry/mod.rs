@@ -1,0 +1,359 @@
+//! Shapes and the acceleration structure that finds them.
+
+mod hierarchy;
+mod primitive;
+mod shape;
+mod sphere;
+mod triangle;
+
+#[cfg(test)]
+mod tests;
+
+use glam::{Mat3A, Vec3A};
+use obvhs::cwbvh::CwBvh;
+use obvhs::ray::{Ray as NodeRay, RayHit};
+
+use super::{Ray, SCENE_RADIUS, SurfacePoint, TriangleMesh};
+use primitive::{PADDING, Primitive};
+use shape::{Attributes, MeshAttributes, Shape, cross};
+use triangle::{Corners, Shear};
+
+/// Rays traced: the unit of cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// Closest-hit queries.
+    pub closest_hit: u64,
+    /// Occlusion queries.
+    pub shadow: u64,
+}
+
+/// By how much a shadow ray ends before its target: its two ends are off their surfaces by more than
+/// this, but the distance at which it meets a surface has an error. Relative and in scene units.
+const SHADOW_END: (f32, f32) = (1.0 - 1e-6, 1e-7 * SCENE_RADIUS);
+
+impl std::ops::AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.closest_hit += other.closest_hit;
+        self.shadow += other.shadow;
+    }
+}
+
+impl std::iter::Sum for RayCounts {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |mut sum, more| {
+            sum += more;
+            sum
+        })
+    }
+}
+
+/// All surfaces of a scene.
+pub struct Geometry {
+    /// In the order of the hierarchy's leaves.
+    primitives: Vec<Primitive>,
+    hierarchy: CwBvh,
+    shapes: Vec<Shape>,
+    spheres: usize,
+    degenerate: usize,
+}
+
+impl Geometry {
+    /// The first surface that `ray` meets.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, counts: &mut RayCounts) -> Option<SurfacePoint> {
+        counts.closest_hit += 1;
+        let ray = &enter_scene(ray)?;
+        match longest_axis(ray.direction) {
+            0 => self.first_hit::<0>(ray),
+            1 => self.first_hit::<1>(ray),
+            _ => self.first_hit::<2>(ray),
+        }
+    }
+
+    /// True if no surface lies between `from` and `to`, which have both been moved off their own
+    /// surfaces ([`super::surface::offset`]).
+    #[inline]
+    pub fn visible(&self, from: Vec3A, to: Vec3A, counts: &mut RayCounts) -> bool {
+        counts.shadow += 1;
+        let distance = (to - from).length();
+        let t_max = distance * SHADOW_END.0 - SHADOW_END.1;
+        if t_max <= 0.0 {
+            return true;
+        }
+        let ray = Ray {
+            origin: from,
+            direction: (to - from) / distance,
+            t_max,
+        };
+        let Some(ray) = &enter_scene(&ray) else {
+            return true;
+        };
+        match longest_axis(ray.direction) {
+            0 => self.misses::<0>(ray),
+            1 => self.misses::<1>(ray),
+            _ => self.misses::<2>(ray),
+        }
+    }
+
+    fn first_hit<const Z: usize>(&self, ray: &Ray) -> Option<SurfacePoint> {
+        let shear = Shear::<Z>::new(ray.origin, ray.direction);
+        let mut barycentric = (0.0, 0.0);
+        let mut hit = RayHit::none();
+        self.hierarchy
+            .ray_traverse(node_ray(ray), &mut hit, |node_ray, i| {
+                match &self.primitives[i] {
+                    Primitive::Triangle { corners, .. } => shear
+                        .intersect(corners, node_ray.tmax)
+                        .map_or(f32::INFINITY, |hit| {
+                            barycentric = (hit.b1, hit.b2);
+                            hit.t
+                        }),
+                    Primitive::Sphere { center, radius, .. } => {
+                        sphere_distance(*center, *radius, ray, node_ray.tmax)
+                    }
+                }
+            });
+        match self.primitives.get(hit.primitive_id as usize)? {
+            Primitive::Triangle {
+                corners,
+                shape,
+                vertices,
+            } => {
+                let (b1, b2) = barycentric;
+                Some(self.shapes[*shape as usize].on_triangle(*shape, corners, *vertices, b1, b2))
+            }
+            Primitive::Sphere {
+                center,
+                radius,
+                shape,
+            } => {
+                let near = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
+                Some(self.shapes[*shape as usize].on_sphere(*shape, *center, *radius, near))
+            }
+        }
+    }
+
+    fn misses<const Z: usize>(&self, ray: &Ray) -> bool {
+        let shear = Shear::<Z>::new(ray.origin, ray.direction);
+        self.hierarchy
+            .ray_traverse_miss(node_ray(ray), |_, i| match &self.primitives[i] {
+                Primitive::Triangle { corners, .. } => shear
+                    .intersect(corners, ray.t_max)
+                    .map_or(f32::INFINITY, |hit| hit.t),
+                Primitive::Sphere { center, radius, .. } => {
+                    sphere_distance(*center, *radius, ray, ray.t_max)
+                }
+            })
+    }
+
+    /// Index of the material of a shape.
+    #[inline]
+    pub fn material(&self, shape: u32) -> u32 {
+        self.shapes[shape as usize].material
+    }
+
+    /// How messages call a shape.
+    pub fn shape_name(&self, shape: u32) -> &str {
+        &self.shapes[shape as usize].name
+    }
+
+    /// Number of shapes.
+    pub fn shape_count(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// Number of triangles that have area.
+    pub fn triangle_count(&self) -> usize {
+        self.primitives.len() - self.spheres
+    }
+
+    /// Number of spheres.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres
+    }
+
+    /// Number of triangles and spheres left out because they have no area.
+    pub fn degenerate_count(&self) -> usize {
+        self.degenerate
+    }
+
+    /// Lower and upper corner of the box around all surfaces in scene units; `None` without surfaces.
+    pub fn bounds(&self) -> Option<(Vec3A, Vec3A)> {
+        let padded = self.hierarchy.total_aabb;
+        (!self.primitives.is_empty()).then_some((padded.min + PADDING, padded.max - PADDING))
+    }
+
+    /// Bytes in memory: nodes, primitives and attributes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.hierarchy.nodes[..])
+            + size_of_val(&self.primitives[..])
+            + self.shapes.iter().map(Shape::bytes).sum::<usize>()
+    }
+}
+
+/// `ray` from where it comes near the scene, so that rounding follows the size of the scene and not
+/// the distance of the camera; `None` if it passes by.
+#[inline]
+fn enter_scene(ray: &Ray) -> Option<Ray> {
+    const NEAR: f32 = 1.2 * SCENE_RADIUS;
+    if ray.origin.length_squared() <= NEAR * NEAR {
+        return Some(*ray);
+    }
+    let along = ray.origin.dot(ray.direction);
+    let closest = ray.origin - ray.direction * along;
+    let skipped = -along - NEAR;
+    if closest.length_squared() > NEAR * NEAR || along >= 0.0 {
+        return None;
+    }
+    if skipped <= 0.0 {
+        return Some(*ray);
+    }
+    (ray.t_max > skipped).then(|| Ray {
+        origin: closest - ray.direction * NEAR,
+        direction: ray.direction,
+        t_max: ray.t_max - skipped,
+    })
+}
+
+#[inline]
+fn longest_axis(direction: Vec3A) -> usize {
+    let d = direction.abs();
+    if d.x >= d.y && d.x >= d.z {
+        0
+    } else if d.y >= d.z {
+        1
+    } else {
+        2
+    }
+}
+
+#[inline]
+fn node_ray(ray: &Ray) -> NodeRay {
+    NodeRay::new(ray.origin, ray.direction, 0.0, ray.t_max)
+}
+
+#[inline]
+fn sphere_distance(center: [f32; 3], radius: f32, ray: &Ray, t_max: f32) -> f32 {
+    sphere::intersect(center, radius, ray.origin, ray.direction, t_max).unwrap_or(f32::INFINITY)
+}
+
+/// A geometry in the making.
+#[derive(Default)]
+pub(super) struct GeometryBuilder {
+    primitives: Vec<Primitive>,
+    shapes: Vec<Shape>,
+    spheres: usize,
+    degenerate: usize,
+}
+
+/// A triangle with area, for an emitter to shine from.
+#[derive(Debug)]
+pub(super) struct PlacedTriangle {
+    pub(super) corners: Corners,
+    /// Unit, on the front side.
+    pub(super) normal: Vec3A,
+}
+
+impl PlacedTriangle {
+    /// In scene units squared.
+    pub(super) fn area(&self) -> f64 {
+        0.5 * cross(&self.corners).length()
+    }
+}
+
+impl GeometryBuilder {
+    /// Adds a mesh in scene units and tells its index.
+    pub(super) fn add_mesh(
+        &mut self,
+        name: String,
+        material: u32,
+        flip: bool,
+        mesh: TriangleMesh,
+    ) -> u32 {
+        let shape = self.shapes.len() as u32;
+        self.primitives.reserve(mesh.triangles.len());
+        let before = self.primitives.len();
+        let placed = mesh.triangles.iter().filter_map(|&vertices| {
+            let corners = vertices.map(|v| mesh.positions[v as usize]);
+            (cross(&corners).length_squared() > 0.0).then_some(Primitive::Triangle {
+                corners,
+                shape,
+                vertices,
+            })
+        });
+        self.primitives.extend(placed);
+        self.degenerate += mesh.triangles.len() - (self.primitives.len() - before);
+        let attributes = Attributes::Mesh(MeshAttributes {
+            normals: mesh.normals,
+            uvs: mesh.uvs,
+        });
+        self.shapes.push(Shape {
+            name,
+            material,
+            flip,
+            attributes,
+        });
+        shape
+    }
+
+    /// Adds a sphere in scene units and tells its index; `to_local` turns scene axes into its own.
+    pub(super) fn add_sphere(
+        &mut self,
+        name: String,
+        material: u32,
+        flip: bool,
+        (center, radius): (Vec3A, f32),
+        to_local: Mat3A,
+    ) -> u32 {
+        let shape = self.shapes.len() as u32;
+        if radius > 0.0 {
+            self.spheres += 1;
+            self.primitives.push(Primitive::Sphere {
+                center: center.to_array(),
+                radius,
+                shape,
+            });
+        } else {
+            self.degenerate += 1;
+        }
+        self.shapes.push(Shape {
+            name,
+            material,
+            flip,
+            attributes: Attributes::Sphere(to_local),
+        });
+        shape
+    }
+
+    /// The triangles of the shape added last.
+    pub(super) fn last_triangles(&self) -> impl Iterator<Item = PlacedTriangle> {
+        let last = self.shapes.len().wrapping_sub(1) as u32;
+        self.primitives
+            .iter()
+            .rev()
+            .map_while(move |primitive| match primitive {
+                Primitive::Triangle {
+                    corners,
+                    shape,
+                    vertices,
+                } if *shape == last => Some(PlacedTriangle {
+                    corners: *corners,
+                    normal: self.shapes[last as usize].triangle_normal(corners, *vertices),
+                }),
+                _ => None,
+            })
+    }
+
+    /// Builds the acceleration structure.
+    pub(super) fn build(mut self) -> Geometry {
+        self.primitives.shrink_to_fit();
+        let hierarchy = hierarchy::build(&mut self.primitives);
+        Geometry {
+            primitives: self.primitives,
+            hierarchy,
+            shapes: self.shapes,
+            spheres: self.spheres,
+            degenerate: self.degenerate,
+        }
+    }
+}

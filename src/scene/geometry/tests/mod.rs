@@ -1,0 +1,5 @@
+//! Tests of intersection.
+
+mod intersection;
+mod robustness;
+mod surfaces;

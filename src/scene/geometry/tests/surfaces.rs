@@ -1,0 +1,253 @@
+use glam::{DMat4, DVec3, Vec2, Vec3A};
+
+use crate::scene::test_scenes::{Numbers, blob, mesh, scene, shape};
+use crate::scene::{
+    Ray, RayCounts, Scene, ShapeDescription, ShapeGeometry, SurfacePoint, TriangleMesh,
+};
+
+/// The first hit of a ray given in world coordinates, its position in them too.
+fn cast(scene: &Scene, origin: DVec3, direction: DVec3) -> Option<SurfacePoint> {
+    let ray = Ray {
+        origin: ((origin - scene.center) / scene.unit).as_vec3a(),
+        direction: direction.normalize().as_vec3a(),
+        t_max: f32::INFINITY,
+    };
+    scene.geometry.intersect(&ray, &mut RayCounts::default())
+}
+
+/// Two triangles in z = 0, counter-clockwise from +z, without texture coordinates.
+fn plate(normals: Vec<[f32; 3]>) -> TriangleMesh {
+    TriangleMesh {
+        uvs: Vec::new(),
+        normals,
+        ..TriangleMesh::rectangle()
+    }
+}
+
+/// Shading normal and texture coordinates where a ray from (0.3, 0.2, 5) along -z meets a shape under
+/// identity, mirroring in x, in z, and in all axes; then the same with `flip_normals`. From Mitsuba:
+///
+///     s = mi.load_dict({'type': 'scene', 'a': {'type': ..., 'flip_normals': ..., 'to_world': ...}})
+///     si = s.ray_intersect(mi.Ray3f([0.3, 0.2, 5], [0, 0, -1])); print(si.sh_frame.n, si.uv)
+///
+/// OBJ meshes hold the two triangles of `plate`; with `face_normals` or without normals, and with the
+/// normal (0, 0.6, -0.8) at all vertices.
+#[test]
+fn sides_and_texture_coordinates_are_mitsubas() {
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    const S: [f64; 3] = [0.3, 0.2, 0.932_738];
+    const N: [f64; 3] = [0.0, 0.6, -0.8];
+    const M: [f64; 3] = [0.0, 0.6, 0.8];
+    let smooth = |to_world: &DMat4| {
+        let mut mesh = plate(Vec::new());
+        mesh.compute_vertex_normals(to_world);
+        mesh
+    };
+    type Make<'a> = &'a dyn Fn(&DMat4) -> ShapeGeometry;
+    // Normal, its sign, and texture coordinates.
+    type Seen = ([f64; 3], f64, [f32; 2]);
+    let cases: [(&str, Make, [Seen; 4]); 6] = [
+        (
+            "cube",
+            &|_| ShapeGeometry::Mesh(TriangleMesh::cube()),
+            [
+                (Z, 1.0, [0.6, 0.65]),
+                (Z, 1.0, [0.6, 0.35]),
+                (Z, 1.0, [0.4, 0.65]),
+                (Z, 1.0, [0.6, 0.35]),
+            ],
+        ),
+        (
+            "rectangle",
+            &|_| ShapeGeometry::Mesh(TriangleMesh::rectangle()),
+            [
+                (Z, 1.0, [0.65, 0.6]),
+                (Z, 1.0, [0.35, 0.6]),
+                (Z, -1.0, [0.65, 0.6]),
+                (Z, -1.0, [0.35, 0.4]),
+            ],
+        ),
+        (
+            "sphere",
+            &|_| ShapeGeometry::Sphere {
+                center: DVec3::ZERO,
+                radius: 1.0,
+            },
+            [
+                (S, 1.0, [0.093_583_5, 0.117_413]),
+                (S, -1.0, [0.406_416, 0.117_413]),
+                (S, -1.0, [0.093_583_5, 0.882_587]),
+                (S, -1.0, [0.593_584, 0.882_587]),
+            ],
+        ),
+        (
+            "flat obj",
+            &|_| ShapeGeometry::Mesh(plate(Vec::new())),
+            [
+                (Z, 1.0, [0.05, 0.6]),
+                (Z, -1.0, [0.35, 0.25]),
+                (Z, 1.0, [0.05, 0.6]),
+                (Z, 1.0, [0.35, 0.05]),
+            ],
+        ),
+        (
+            "obj with computed normals",
+            &|to_world| ShapeGeometry::Mesh(smooth(to_world)),
+            [
+                (Z, 1.0, [0.05, 0.6]),
+                (Z, -1.0, [0.35, 0.25]),
+                (Z, 1.0, [0.05, 0.6]),
+                (Z, 1.0, [0.35, 0.05]),
+            ],
+        ),
+        (
+            "obj with normals",
+            &|_| ShapeGeometry::Mesh(plate(vec![[0.0, 0.6, -0.8]; 4])),
+            [
+                (N, 1.0, [0.05, 0.6]),
+                (N, 1.0, [0.35, 0.25]),
+                (M, 1.0, [0.05, 0.6]),
+                ([0.0, -0.6, 0.8], 1.0, [0.35, 0.05]),
+            ],
+        ),
+    ];
+    let mirrors = [
+        DVec3::ONE,
+        DVec3::new(-1.0, 1.0, 1.0),
+        DVec3::new(1.0, 1.0, -1.0),
+        DVec3::NEG_ONE,
+    ];
+    for (name, geometry, expected) in cases {
+        for (mirror, (normal, sign, uv)) in mirrors.into_iter().zip(expected) {
+            for flip_normals in [false, true] {
+                let to_world = DMat4::from_scale(mirror);
+                let placed = ShapeDescription {
+                    flip_normals,
+                    ..shape(geometry(&to_world), to_world)
+                };
+                let scene = scene(vec![placed], vec![]);
+                let hit = cast(&scene, DVec3::new(0.3, 0.2, 5.0), DVec3::NEG_Z).expect("a hit");
+                let sign = if flip_normals { -sign } else { sign };
+                let normal = (DVec3::from_array(normal) * sign).as_vec3a();
+                let case = format!("{name}, scaled by {mirror}, flipped: {flip_normals}");
+                assert!(
+                    (hit.shading.n - normal).length() < 1e-5,
+                    "{case}: {:?}",
+                    hit.shading.n
+                );
+                assert!(hit.geometric_normal.dot(hit.shading.n) > 0.0, "{case}");
+                assert!(
+                    (hit.uv - Vec2::from_array(uv)).length() < 1e-5,
+                    "{case}: {:?}",
+                    hit.uv
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn normals_of_a_smooth_mesh_are_interpolated_and_perpendicular_to_the_surface() {
+    let mut smooth = blob(60);
+    smooth.compute_vertex_normals(&DMat4::IDENTITY);
+    let scene = scene(vec![mesh(smooth, DMat4::IDENTITY)], vec![]);
+    let mut numbers = Numbers::new(5);
+    let mut largest: f32 = 0.0;
+    for _ in 0..2_000 {
+        let hit = cast(&scene, DVec3::ZERO, numbers.direction().as_dvec3()).expect("a hit");
+        assert!(hit.shading.n.is_normalized());
+        let bend = hit.shading.n.dot(hit.geometric_normal);
+        assert!(bend > 0.95, "{bend}");
+        largest = largest.max(1.0 - bend);
+        let outward = hit.position - (-scene.center / scene.unit).as_vec3a();
+        assert!(hit.geometric_normal.dot(outward) > 0.0);
+    }
+    assert!(largest > 1e-4, "flat: {largest}");
+}
+
+/// A scene at another place, or of another size, or both, is the same scene: every hit in the same
+/// place to within the precision of f32 at the scene's size.
+#[test]
+fn geometry_does_not_depend_on_scale_or_place() {
+    let build = |change: DMat4| {
+        let mut shapes = vec![
+            mesh(TriangleMesh::cube(), DMat4::from_rotation_x(0.5)),
+            mesh(blob(12), DMat4::from_translation(DVec3::new(2.0, 0.0, 1.0))),
+        ];
+        let geometry = ShapeGeometry::Sphere {
+            center: DVec3::new(0.0, 2.5, 0.0),
+            radius: 0.8,
+        };
+        shapes.push(shape(geometry, DMat4::IDENTITY));
+        for shape in &mut shapes {
+            shape.to_world = change * shape.to_world;
+        }
+        scene(shapes, vec![])
+    };
+    let reference = build(DMat4::IDENTITY);
+    for (name, scale, offset) in [
+        ("small", 1e-3, 0.0),
+        ("large", 1e3, 0.0),
+        ("far", 1.0, 1e4),
+        ("small and far", 1e-3, 10.0),
+    ] {
+        let change =
+            DMat4::from_translation(DVec3::splat(offset)) * DMat4::from_scale(DVec3::splat(scale));
+        let changed = build(change);
+        assert!(
+            (changed.unit / reference.unit / scale - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+        let mut numbers = Numbers::new(6);
+        let mut hits = 0;
+        for _ in 0..5_000 {
+            let ray = Ray {
+                origin: numbers.direction() * 900.0,
+                direction: numbers.direction(),
+                t_max: f32::INFINITY,
+            };
+            let [a, b] = [&reference, &changed]
+                .map(|scene| scene.geometry.intersect(&ray, &mut RayCounts::default()));
+            assert_eq!(a.map(|hit| hit.shape), b.map(|hit| hit.shape), "{name}");
+            if let (Some(a), Some(b)) = (a, b) {
+                hits += 1;
+                let grazing = a.geometric_normal.dot(ray.direction).abs();
+                let error = (a.position - b.position).length() * grazing;
+                assert!(error < 1e-3, "{name}: {error}");
+                assert!((a.geometric_normal - b.geometric_normal).length() < 1e-5);
+                assert!(
+                    (a.uv - b.uv).length() * grazing < 1e-4,
+                    "{name}: {} {}",
+                    a.uv,
+                    b.uv
+                );
+            }
+        }
+        assert!(hits > 500, "{hits}");
+    }
+}
+
+#[test]
+fn needles_have_a_normal() {
+    let needle = TriangleMesh {
+        positions: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1e-4, 1e-4]],
+        triangles: vec![[0, 1, 2]],
+        ..TriangleMesh::default()
+    };
+    let scene = scene(vec![mesh(needle, DMat4::IDENTITY)], vec![]);
+    let hit = cast(&scene, DVec3::new(0.0, 5e-5, 1.0), DVec3::NEG_Z).expect("a hit");
+    let expected = Vec3A::new(0.0, -1.0, 1.0).normalize();
+    assert!((hit.geometric_normal - expected).length() < 1e-4, "{hit:?}");
+}
+
+/// A transform that stretches turns normals by its inverse transpose: (0, 0.6, -0.8) under (1, 2, 4)
+/// becomes (0, 0.3, -0.2), turned back to unit length.
+#[test]
+fn stretched_normals_stay_perpendicular() {
+    let plate = plate(vec![[0.0, 0.6, -0.8]; 4]);
+    let stretch = DMat4::from_scale(DVec3::new(1.0, 2.0, 4.0));
+    let scene = scene(vec![mesh(plate, stretch)], vec![]);
+    let hit = cast(&scene, DVec3::new(0.3, 0.2, 5.0), DVec3::NEG_Z).expect("a hit");
+    let expected = Vec3A::new(0.0, 0.3, -0.2).normalize();
+    assert!((hit.shading.n - expected).length() < 1e-6, "{hit:?}");
+}

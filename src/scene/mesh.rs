@@ -1,0 +1,181 @@
+//! Triangle meshes as read from a file.
+
+use glam::{DMat3, DMat4, DVec3, Vec3};
+
+/// A triangle mesh in its own coordinates. [`super::SceneDescription::build`] expects that the loader
+/// guarantees finite numbers, indices in range, and attribute arrays as long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleMesh {
+    /// Corners.
+    pub positions: Vec<[f32; 3]>,
+    /// Shading normals per vertex, not necessarily of unit length; empty for flat shading.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates per vertex; empty if the mesh has none (then (b1, b2) of the hit stand
+    /// for them, as in Mitsuba).
+    pub uvs: Vec<[f32; 2]>,
+    /// Three vertices each, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriangleMesh {
+    /// Mitsuba's `rectangle`: [-1, 1]^2 in the plane z = 0, facing +z, with texture coordinates
+    /// ((x + 1)/2, (y + 1)/2).
+    pub fn rectangle() -> Self {
+        let uvs = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        Self {
+            positions: uvs
+                .iter()
+                .map(|[u, v]| [2.0 * u - 1.0, 2.0 * v - 1.0, 0.0])
+                .collect(),
+            // Not left to the winding: these follow a mirroring transform, as Mitsuba's do.
+            normals: vec![[0.0, 0.0, 1.0]; 4],
+            uvs,
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    /// Mitsuba's `cube`: [-1, 1]^3, facing outward, each face mapped to the unit square.
+    pub fn cube() -> Self {
+        /// The normal of each face and its corners, in the order in which [`UVS`] map them.
+        const FACES: [(Vec3, [[i8; 3]; 4]); 6] = [
+            (
+                Vec3::NEG_Y,
+                [[1, -1, -1], [1, -1, 1], [-1, -1, 1], [-1, -1, -1]],
+            ),
+            (Vec3::Y, [[1, 1, -1], [-1, 1, -1], [-1, 1, 1], [1, 1, 1]]),
+            (Vec3::X, [[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]),
+            (Vec3::Z, [[1, -1, 1], [1, 1, 1], [-1, 1, 1], [-1, -1, 1]]),
+            (
+                Vec3::NEG_X,
+                [[-1, -1, 1], [-1, 1, 1], [-1, 1, -1], [-1, -1, -1]],
+            ),
+            (
+                Vec3::NEG_Z,
+                [[1, 1, -1], [1, -1, -1], [-1, -1, -1], [-1, 1, -1]],
+            ),
+        ];
+        const UVS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+        let mut mesh = Self::default();
+        for (normal, corners) in FACES {
+            let first = mesh.positions.len() as u32;
+            mesh.positions
+                .extend(corners.map(|corner| corner.map(f32::from)));
+            mesh.normals.extend([normal.to_array(); 4]);
+            mesh.uvs.extend(UVS);
+            mesh.triangles.push([first, first + 1, first + 2]);
+            mesh.triangles.push([first + 3, first, first + 2]);
+        }
+        mesh
+    }
+
+    /// Smooth normals where a file gives none, as Mitsuba computes them: at each vertex the mean of
+    /// the normals of the triangles around it, weighted by their angle there (Thürmer and Wüthrich
+    /// 1998, "Computing vertex normals from polygonal facets").
+    ///
+    /// Both angles and the side that winding makes the front are those of the mesh placed by
+    /// `to_world`, which may stretch and mirror: the normals are stored such that this transform
+    /// brings them to the right ones. Vertices of no triangle with area get (1, 0, 0) in the world.
+    pub fn compute_vertex_normals(&mut self, to_world: &DMat4) {
+        let linear = DMat3::from_mat4(*to_world);
+        let corner = |i: u32| {
+            let [x, y, z] = self.positions[i as usize].map(f64::from);
+            linear * DVec3::new(x, y, z)
+        };
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for triangle in &self.triangles {
+            let p = triangle.map(corner);
+            let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else {
+                continue;
+            };
+            for (i, &vertex) in triangle.iter().enumerate() {
+                let a = p[(i + 1) % 3] - p[i];
+                let b = p[(i + 2) % 3] - p[i];
+                let angle = a.cross(b).length().atan2(a.dot(b));
+                sums[vertex as usize] += normal * angle;
+            }
+        }
+        // Normals go to the world by the inverse transpose of `linear`.
+        let to_local = linear.transpose();
+        self.normals = sums
+            .iter()
+            .map(|sum| {
+                let normal = to_local * sum.try_normalize().unwrap_or(DVec3::X);
+                normal.normalize_or_zero().as_vec3().to_array()
+            })
+            .collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn position(mesh: &TriangleMesh, vertex: u32) -> Vec3 {
+        Vec3::from_array(mesh.positions[vertex as usize])
+    }
+
+    #[test]
+    fn rectangle_and_cube_face_the_side_of_their_normals_and_have_the_right_area() {
+        for (mesh, area) in [
+            (TriangleMesh::rectangle(), 4.0),
+            (TriangleMesh::cube(), 24.0),
+        ] {
+            let mut sum = 0.0;
+            for triangle in &mesh.triangles {
+                let [a, b, c] = triangle.map(|v| position(&mesh, v));
+                let cross = (b - a).cross(c - a);
+                let normal = Vec3::from_array(mesh.normals[triangle[0] as usize]);
+                assert_eq!(cross.normalize(), normal);
+                sum += 0.5 * cross.length();
+            }
+            assert_eq!(sum, area);
+        }
+    }
+
+    /// The corner of a cube where three right angles meet, one face of it cut in two: unweighted,
+    /// the cut face would pull the normal to itself.
+    #[test]
+    fn vertex_normals_are_weighted_by_angle() {
+        let mut mesh = TriangleMesh {
+            positions: vec![
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0],
+                [1.0, 1.0, 0.0],
+            ],
+            triangles: vec![[0, 4, 1], [0, 2, 4], [0, 1, 3], [0, 3, 2]],
+            ..TriangleMesh::default()
+        };
+        mesh.compute_vertex_normals(&DMat4::IDENTITY);
+        let expected = Vec3::splat(-1.0 / 3.0_f32.sqrt());
+        assert!((Vec3::from_array(mesh.normals[0]) - expected).length() < 1e-6);
+    }
+
+    /// Under a transform that stretches and mirrors, the stored normals must come out in the world
+    /// as if they had been computed there.
+    #[test]
+    fn vertex_normals_are_those_of_the_placed_mesh() {
+        let to_world = DMat4::from_scale(DVec3::new(-1.0, 3.0, 0.5));
+        let mut local = TriangleMesh {
+            positions: vec![
+                [0.0, 0.0, 0.0],
+                [1.0, 0.2, 0.1],
+                [0.3, 1.0, -0.4],
+                [-1.0, 0.5, 0.6],
+            ],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..TriangleMesh::default()
+        };
+        let mut placed = local.clone();
+        for p in &mut placed.positions {
+            *p = [-p[0], 3.0 * p[1], 0.5 * p[2]];
+        }
+        local.compute_vertex_normals(&to_world);
+        placed.compute_vertex_normals(&DMat4::IDENTITY);
+        for (l, p) in local.normals.iter().zip(&placed.normals) {
+            let world = Vec3::new(-l[0], l[1] / 3.0, l[2] / 0.5).normalize();
+            assert!((world - Vec3::from_array(*p)).length() < 1e-6);
+        }
+    }
+}

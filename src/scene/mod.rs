@@ -1,0 +1,69 @@
+//! What light meets: camera, emitters, materials, textures, geometry and its acceleration
+//! structure, all immutable once built from a [`SceneDescription`].
+//!
+//! Lengths are in *scene units*: the description's world is moved and scaled so that its bounding
+//! sphere is centred at the origin with radius [`SCENE_RADIUS`]. Radiance does not change with
+//! scale; what does (intensities, the lens) is converted once, in `build`.
+
+mod build;
+pub mod camera;
+pub mod description;
+pub mod emitter;
+pub mod geometry;
+pub mod material;
+pub mod mesh;
+pub mod surface;
+pub mod texture;
+
+#[cfg(test)]
+mod test_scenes;
+
+pub use camera::{Camera, LensSample};
+pub use description::{
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, SceneDescription, SceneError,
+    ShapeDescription, ShapeGeometry, ThinLens,
+};
+pub use emitter::{DirectSample, EmissionSample, EmissionToward, EmitterKind, Emitters};
+pub use geometry::{Geometry, RayCounts};
+pub use material::{BsdfSample, Distribution, Material, Scattering, TransportMode};
+pub use mesh::TriangleMesh;
+pub use surface::{Ray, SurfacePoint};
+pub use texture::{Bitmap, Interpolation, Texture, Wrap};
+
+use glam::DVec3;
+
+/// Radius of the scene's bounding sphere in scene units. Large enough that the absolute epsilon in
+/// the acceleration structure's node test (1e-4) is below the resolution of f32 positions.
+pub const SCENE_RADIUS: f32 = 1000.0;
+
+/// A scene ready to be rendered.
+pub struct Scene {
+    /// Where importance comes from.
+    pub camera: Camera,
+    /// Shapes and the structure that finds them.
+    pub geometry: Geometry,
+    /// Where light comes from.
+    pub emitters: Emitters,
+    /// Indexed by a shape's material.
+    pub materials: Vec<Material>,
+    /// Indexed by the materials.
+    pub textures: Vec<Texture>,
+    /// Size of the image and its reconstruction filter.
+    pub film: FilmSettings,
+    /// How long paths may be.
+    pub depth: DepthLimits,
+    /// Length of one scene unit in the units of the scene file.
+    pub unit: f64,
+    /// Where in the scene file's world the origin of scene units is.
+    pub center: DVec3,
+}
+
+impl Scene {
+    /// Lower and upper corner of the box around all surfaces, in the units of the scene file; `None`
+    /// without surfaces.
+    pub fn world_bounds(&self) -> Option<(DVec3, DVec3)> {
+        let to_world = |p: glam::Vec3A| p.as_dvec3() * self.unit + self.center;
+        let (min, max) = self.geometry.bounds()?;
+        Some((to_world(min), to_world(max)))
+    }
+}
