@@ -10,5 +10,6 @@
 
 pub mod film;
 pub mod math;
+pub mod mitsuba;
 pub mod scene;
 pub mod statistics;

@@ -1,0 +1,170 @@
+//! Mitsuba's `serialized` meshes, versions 3 and 4 (Mitsuba 0.6 manual, section 8.2.9): after four
+//! bytes each mesh is a zlib stream, and a table of where each begins ends the file.
+
+use std::io::{self, BufReader, Read};
+
+use flate2::read::ZlibDecoder;
+
+use super::{MOST, MeshError, MeshFile, check};
+use crate::scene::TriangleMesh;
+
+const MAGIC: u16 = 0x041C;
+const HAS_NORMALS: u32 = 0x0001;
+const HAS_UVS: u32 = 0x0002;
+const HAS_COLORS: u32 = 0x0008;
+// A further flag, 0x0010, asks for face normals; Mitsuba 3 passes it over, and so do we.
+const DOUBLE_PRECISION: u32 = 0x2000;
+
+/// Longest name of a mesh in bytes.
+const LONGEST_NAME: usize = 1 << 16;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Version {
+    /// Offsets of 32 bits, no names.
+    V3,
+    /// Offsets of 64 bits, and names.
+    V4,
+}
+
+/// Reads the mesh with the number `index`, from 0. Without `with_normals` the normals of the file
+/// are left out.
+pub fn read(bytes: &[u8], index: usize, with_normals: bool) -> Result<MeshFile, MeshError> {
+    let version = version(bytes, 0)?;
+    let start = match index {
+        0 => 0,
+        _ => offset(bytes, version, index)?,
+    };
+    let version = self::version(bytes, start)?;
+    let stream = BufReader::new(ZlibDecoder::new(&bytes[start + 4..]));
+    let mesh = decode(Stream(stream), version, with_normals).map_err(|problem| {
+        let problem = format!("mesh {index}: {problem}");
+        MeshError::at_byte(start, problem)
+    })?;
+    check(&mesh)?;
+    Ok(MeshFile { mesh, note: None })
+}
+
+fn version(bytes: &[u8], start: usize) -> Result<Version, MeshError> {
+    let word = |at: usize| {
+        let two = bytes.get(at..)?.first_chunk()?;
+        Some(u16::from_le_bytes(*two))
+    };
+    match (word(start), word(start.saturating_add(2))) {
+        (Some(MAGIC), Some(3)) => Ok(Version::V3),
+        (Some(MAGIC), Some(4)) => Ok(Version::V4),
+        (Some(MAGIC), Some(version)) => {
+            let problem = format!("version {version} is not known (known: 3, 4)");
+            Err(MeshError::at_byte(start, problem))
+        }
+        _ => Err(MeshError::at_byte(start, "no serialized mesh begins here")),
+    }
+}
+
+/// Where the mesh `index` begins, from the table at the end of the file.
+fn offset(bytes: &[u8], version: Version, index: usize) -> Result<usize, MeshError> {
+    let truncated = || MeshError::at_byte(bytes.len(), "the table at the end is broken");
+    let count = bytes.last_chunk().ok_or_else(truncated)?;
+    let count = u32::from_le_bytes(*count) as usize;
+    if index >= count {
+        let problem = format!("`shape_index` is {index}, but the file has {count} meshes");
+        return Err(MeshError::nowhere(problem));
+    }
+    let entry_size = match version {
+        Version::V3 => 4,
+        Version::V4 => 8,
+    };
+    let from_end = 4 + (count - index) * entry_size;
+    let at = bytes.len().checked_sub(from_end).ok_or_else(truncated)?;
+    let entry = &bytes[at..at + entry_size];
+    let offset = entry
+        .iter()
+        .rev()
+        .fold(0_u64, |n, &b| n << 8 | u64::from(b));
+    usize::try_from(offset).map_err(|_| truncated())
+}
+
+fn decode<R: Read>(
+    mut stream: Stream<R>,
+    version: Version,
+    with_normals: bool,
+) -> Result<TriangleMesh, String> {
+    let flags = u32::from_le_bytes(stream.take()?);
+    if version == Version::V4 {
+        stream.skip_name()?;
+    }
+    let vertices = count("vertices", u64::from_le_bytes(stream.take()?))?;
+    let triangles = count("triangles", u64::from_le_bytes(stream.take()?))?;
+    let double = flags & DOUBLE_PRECISION != 0;
+    let has = |flag| flags & flag != 0;
+    let mut mesh = TriangleMesh {
+        positions: stream.array(vertices, double)?,
+        ..TriangleMesh::default()
+    };
+    if has(HAS_NORMALS) {
+        let normals = stream.array(vertices, double)?;
+        if with_normals {
+            mesh.normals = normals;
+        }
+    }
+    if has(HAS_UVS) {
+        mesh.uvs = stream.array(vertices, double)?;
+    }
+    if has(HAS_COLORS) {
+        stream.array::<3>(vertices, double)?;
+    }
+    for _ in 0..triangles {
+        let mut corner = || stream.take().map(u32::from_le_bytes);
+        mesh.triangles.push([corner()?, corner()?, corner()?]);
+    }
+    Ok(mesh)
+}
+
+fn count(what: &str, claimed: u64) -> Result<u64, String> {
+    match claimed {
+        0..=MOST => Ok(claimed),
+        _ => Err(format!("it claims {claimed} {what}")),
+    }
+}
+
+/// Decompressed data. Arrays grow as data arrive, whatever length is claimed.
+struct Stream<R>(R);
+
+impl<R: Read> Stream<R> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let mut bytes = [0; N];
+        self.0.read_exact(&mut bytes).map_err(broken)?;
+        Ok(bytes)
+    }
+
+    fn skip_name(&mut self) -> Result<(), String> {
+        for _ in 0..LONGEST_NAME {
+            if self.take()? == [0] {
+                return Ok(());
+            }
+        }
+        Err("its name has no end".into())
+    }
+
+    fn array<const N: usize>(&mut self, count: u64, double: bool) -> Result<Vec<[f32; N]>, String> {
+        let mut result = Vec::new();
+        for _ in 0..count {
+            let mut item = [0.0; N];
+            for number in &mut item {
+                *number = if double {
+                    f64::from_le_bytes(self.take()?) as f32
+                } else {
+                    f32::from_le_bytes(self.take()?)
+                };
+            }
+            result.push(item);
+        }
+        Ok(result)
+    }
+}
+
+fn broken(error: io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => "the data end early".into(),
+        _ => format!("the data are broken: {error}"),
+    }
+}

@@ -1,0 +1,120 @@
+//! Files of a scene, and places in them.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
+
+/// Longest line, in bytes, that is worth showing under an error message.
+const LONGEST_SHOWN_LINE: usize = 400;
+
+/// The text of one scene file.
+pub struct SourceFile {
+    path: PathBuf,
+    text: String,
+}
+
+impl SourceFile {
+    /// A file's path, as messages shall show it, and its text.
+    pub(super) fn new(path: PathBuf, text: String) -> Arc<Self> {
+        Arc::new(Self { path, text })
+    }
+
+    /// As given on the command line or found from there.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+impl fmt::Debug for SourceFile {
+    /// Without the text, which may be long.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("SourceFile").field(&self.path).finish()
+    }
+}
+
+impl SourceCode for SourceFile {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let found = self.text.read_span(span, lines_before, lines_after)?;
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.path.display().to_string(),
+            found.data(),
+            *found.span(),
+            found.line(),
+            found.column(),
+            found.line_count(),
+        )))
+    }
+}
+
+/// A stretch of a scene file. Its `Display` is `path:line:column`, both counted from 1, columns in
+/// characters.
+#[derive(Clone, Debug)]
+pub struct Place {
+    file: Arc<SourceFile>,
+    /// Bytes.
+    span: Range<usize>,
+}
+
+impl Place {
+    pub(super) fn new(file: &Arc<SourceFile>, span: Range<usize>) -> Self {
+        let file = Arc::clone(file);
+        Self { file, span }
+    }
+
+    /// The file.
+    pub fn file(&self) -> &SourceFile {
+        &self.file
+    }
+
+    /// Line and column of the start, from 1.
+    pub fn line_and_column(&self) -> (usize, usize) {
+        let bytes = self.file.text.as_bytes();
+        let before = &bytes[..self.span.start.min(bytes.len())];
+        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+        let line_start = before
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |newline| newline + 1);
+        // A byte that does not continue a UTF-8 sequence begins a character.
+        let is_start = |b: &&u8| **b & 0xC0 != 0x80;
+        let column = before[line_start..].iter().filter(is_start).count() + 1;
+        (line, column)
+    }
+
+    /// For a caret under the fault.
+    pub(super) fn span(&self) -> SourceSpan {
+        (self.span.start, self.span.len()).into()
+    }
+
+    /// False if the line is too long for a screen.
+    pub(super) fn is_worth_showing(&self) -> bool {
+        let bytes = self.file.text.as_bytes();
+        let start = self.span.start.min(bytes.len());
+        let end = self.span.end.min(bytes.len());
+        let head = bytes[..start].iter().rev().take_while(|&&b| b != b'\n');
+        let tail = bytes[end..].iter().take_while(|&&b| b != b'\n');
+        head.take(LONGEST_SHOWN_LINE).count() + tail.take(LONGEST_SHOWN_LINE).count()
+            < LONGEST_SHOWN_LINE
+            && end - start < LONGEST_SHOWN_LINE
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.line_and_column();
+        write!(f, "{}:{line}:{column}", self.file.path.display())
+    }
+}
