@@ -11,5 +11,6 @@
 pub mod film;
 pub mod math;
 pub mod mitsuba;
+pub mod path;
 pub mod scene;
 pub mod statistics;
