@@ -1,0 +1,139 @@
+//! Where chains start, and the first estimate of the normalisation b, the mean of I.
+
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::Target;
+use crate::math::{FreshCoordinates, seeds};
+use crate::statistics::Moments;
+
+/// Samples evaluated between two looks at the error of b.
+const BATCH: u64 = 1 << 14;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BootstrapLimits {
+    /// At least this many samples.
+    pub at_least: u64,
+    /// Never more than this many.
+    pub at_most: u64,
+    /// Stop when the standard error of b is at most this part of b.
+    pub relative_error: f64,
+}
+
+/// Independent uniform samples of the target.
+#[derive(Debug)]
+pub struct Bootstrap {
+    seed: u64,
+    /// I(u) of sample i; 0 where it was not finite.
+    pub densities: Vec<f32>,
+    /// Moments of I: the mean is b.
+    pub moments: Moments,
+    /// Samples whose density was not finite.
+    pub non_finite: u64,
+}
+
+impl Bootstrap {
+    /// Samples the target until `limits` say stop or `interrupted` does; `worker` makes one target
+    /// for each run of samples. The result depends on the seed and the limits alone, not on the
+    /// number of threads.
+    pub fn run<G: Target>(
+        seed: u64,
+        limits: BootstrapLimits,
+        worker: impl Fn() -> G + Sync,
+        finish: impl Fn(G) + Sync,
+        mut interrupted: impl FnMut(u64) -> bool,
+    ) -> Self {
+        let mut bootstrap = Self {
+            seed,
+            densities: Vec::new(),
+            moments: Moments::default(),
+            non_finite: 0,
+        };
+        while !bootstrap.is_enough(limits) && !interrupted(bootstrap.moments.count) {
+            let first = bootstrap.moments.count;
+            let last = limits.at_most.min(first + BATCH);
+            bootstrap.extend(first..last, &worker, &finish);
+        }
+        bootstrap
+    }
+
+    fn is_enough(&self, limits: BootstrapLimits) -> bool {
+        let count = self.moments.count;
+        count >= limits.at_most
+            || (count >= limits.at_least.max(2)
+                && self.moments.mean > 0.0
+                && self.moments.standard_error() <= limits.relative_error * self.moments.mean)
+    }
+
+    fn extend<G: Target>(
+        &mut self,
+        samples: std::ops::Range<u64>,
+        worker: &(impl Fn() -> G + Sync),
+        finish: &(impl Fn(G) + Sync),
+    ) {
+        const RUN: u64 = 512;
+        let runs = (samples.end - samples.start).div_ceil(RUN);
+        let densities: Vec<Vec<f64>> = (0..runs)
+            .into_par_iter()
+            .map(|run| {
+                let first = samples.start + run * RUN;
+                let last = samples.end.min(first + RUN);
+                let mut target = worker();
+                let mut out = G::Contribution::default();
+                let densities = (first..last)
+                    .map(|i| {
+                        let rng = seeds::generator(self.seed, seeds::Purpose::Bootstrap, i);
+                        target.evaluate(&mut FreshCoordinates::new(rng), &mut out)
+                    })
+                    .collect();
+                finish(target);
+                densities
+            })
+            .collect();
+        for density in densities.into_iter().flatten() {
+            let finite = density.is_finite();
+            self.non_finite += u64::from(!finite);
+            let density = if finite { density } else { 0.0 };
+            self.moments.add(density);
+            self.densities.push(density as f32);
+        }
+    }
+
+    /// The generator that makes sample `i` again.
+    pub fn generator(&self, i: usize) -> rand_xoshiro::Xoshiro256PlusPlus {
+        seeds::generator(self.seed, seeds::Purpose::Bootstrap, i as u64)
+    }
+
+    /// Indices of the samples that `chains` chains start from, in proportion to their density; empty
+    /// if no sample has any.
+    pub fn starts(&self, chains: usize) -> Vec<usize> {
+        let mut rng = seeds::generator(self.seed, seeds::Purpose::Resampling, 0);
+        systematic_resample(&self.densities, chains, rng.random())
+    }
+}
+
+/// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices, index i
+/// expected n w_i / sum(w) times and never off by one or more; `u` in [0, 1) is the only random
+/// number. Empty if all weights are 0.
+pub fn systematic_resample(weights: &[f32], n: usize, u: f64) -> Vec<usize> {
+    let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+    if total <= 0.0 {
+        return Vec::new();
+    }
+    let mut indices = Vec::with_capacity(n);
+    let mut sum = 0.0;
+    let mut last_positive = 0;
+    for (i, &weight) in weights.iter().enumerate() {
+        sum += f64::from(weight) / total * n as f64;
+        if weight > 0.0 {
+            last_positive = i;
+        }
+        while indices.len() < n && indices.len() as f64 + u < sum {
+            indices.push(i);
+        }
+    }
+    // Rounding may leave the last one out.
+    indices.resize(n, last_positive);
+    indices
+}
