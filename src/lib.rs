@@ -9,6 +9,7 @@
 #![deny(missing_docs)]
 
 pub mod film;
+pub mod integrators;
 pub mod markov;
 pub mod math;
 pub mod mitsuba;
