@@ -14,5 +14,6 @@ pub mod markov;
 pub mod math;
 pub mod mitsuba;
 pub mod path;
+pub mod render;
 pub mod scene;
 pub mod statistics;

@@ -1,0 +1,90 @@
+//! Drivers: they decide how the point of the hypercube moves, pair a path sampler with that, keep
+//! to a budget, and add what comes out to a film.
+
+pub mod clock;
+pub mod metropolis;
+pub mod monte_carlo;
+pub mod settings;
+pub mod statistics;
+
+use crate::film::Image;
+use crate::scene::Scene;
+
+pub use metropolis::LightTarget;
+pub use settings::{Budget, Integrator, Settings};
+pub use statistics::{MetropolisStatistics, Statistics, StepStatistics};
+
+/// Who is told how a render goes, and may stop it.
+pub trait Observer: Sync {
+    /// A new phase of the work begins.
+    fn phase(&self, name: &str);
+    /// `fraction` of the phase is done; `seconds_left` is an estimate, once there is one.
+    fn progress(&self, fraction: f64, seconds_left: Option<f64>);
+    /// True if the render should finish what it is at and return what it has.
+    fn interrupted(&self) -> bool;
+}
+
+/// An observer that neither listens nor stops.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {
+    fn phase(&self, _name: &str) {}
+    fn progress(&self, _fraction: f64, _seconds_left: Option<f64>) {}
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// What a render gives.
+#[derive(Debug)]
+pub struct Rendering {
+    /// Linear RGB radiance, W/(m^2 sr) in the units of the scene.
+    pub image: Image,
+    /// What it took.
+    pub statistics: Statistics,
+    /// The observer stopped it before its budget was spent.
+    pub interrupted: bool,
+    /// What the user should know about the image.
+    pub warnings: Vec<String>,
+}
+
+/// Renders `scene`. The image depends on the scene and the settings alone, to the bit, whatever the
+/// number of threads, unless the budget is one of time or the observer interrupts.
+///
+/// # Errors
+/// If the threads cannot be started.
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    observer: &dyn Observer,
+) -> Result<Rendering, rayon::ThreadPoolBuildError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads.unwrap_or(0))
+        .build()?;
+    let mut rendering = pool.install(|| match settings.integrator {
+        Integrator::Path | Integrator::Light | Integrator::Bdpt => {
+            monte_carlo::render(scene, settings, observer)
+        }
+        Integrator::Pssmlt => metropolis::render(scene, settings, observer),
+    });
+    let black = rendering
+        .image
+        .pixels
+        .iter()
+        .flatten()
+        .all(|&value| value == 0.0);
+    if black && !rendering.interrupted && rendering.warnings.is_empty() {
+        rendering
+            .warnings
+            .push("the image is black: no path has found light".into());
+    }
+    Ok(rendering)
+}
+
+/// Tells of contributions that were left out.
+fn non_finite_warning(count: u64) -> Option<String> {
+    (count > 0).then(|| {
+        format!("{count} contributions were NaN, infinite or negative and have been left out")
+    })
+}

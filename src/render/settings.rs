@@ -1,0 +1,102 @@
+//! What the user asks for.
+
+use serde::Serialize;
+
+use crate::integrators::Sampler;
+
+/// Pairs of a path sampler and a driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Integrator {
+    /// Unidirectional path tracing by Monte Carlo.
+    Path,
+    /// Light tracing by Monte Carlo.
+    Light,
+    /// Bidirectional path tracing by Monte Carlo.
+    Bdpt,
+    /// Bidirectional path tracing by Metropolis in primary sample space.
+    Pssmlt,
+}
+
+impl Integrator {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Path, Self::Light, Self::Bdpt, Self::Pssmlt];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Light => "light",
+            Self::Bdpt => "bdpt",
+            Self::Pssmlt => "pssmlt",
+        }
+    }
+
+    /// Its path sampler.
+    pub fn sampler(self) -> Sampler {
+        match self {
+            Self::Path => Sampler::Path,
+            Self::Light => Sampler::Light,
+            Self::Bdpt | Self::Pssmlt => Sampler::Bidirectional,
+        }
+    }
+
+    /// True if it moves by a Markov chain.
+    pub fn is_metropolis(self) -> bool {
+        matches!(self, Self::Pssmlt)
+    }
+
+    /// Samples (or mutations) per pixel when the user names no budget.
+    pub fn default_samples_per_pixel(self) -> u64 {
+        if self.is_metropolis() { 128 } else { 64 }
+    }
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// Samples per pixel; for Metropolis integrators mutations per pixel.
+    SamplesPerPixel(u64),
+    /// Seconds of rendering, with neither loading nor building counted.
+    Seconds(f64),
+}
+
+/// Everything that decides the image, besides the scene.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Which method.
+    pub integrator: Integrator,
+    /// How long.
+    pub budget: Budget,
+    /// The same seed gives the same image.
+    pub seed: u64,
+    /// Number of threads; `None` for one per core.
+    pub threads: Option<usize>,
+    /// p_large: probability of a large step.
+    pub large_step_probability: f32,
+    /// Number of Markov chains.
+    pub chains: u64,
+    /// Number of bootstrap samples; `None` to go on until b is known well enough.
+    pub bootstrap: Option<u64>,
+}
+
+impl Settings {
+    /// The defaults for an integrator.
+    pub fn new(integrator: Integrator) -> Self {
+        Self {
+            integrator,
+            budget: Budget::SamplesPerPixel(integrator.default_samples_per_pixel()),
+            seed: 0,
+            threads: None,
+            large_step_probability: 0.3,
+            chains: 1024,
+            bootstrap: None,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new(Integrator::Pssmlt)
+    }
+}
