@@ -1,0 +1,154 @@
+//! `metrolight check`: what is in a scene, and what no render of it will show.
+
+use std::collections::BTreeMap;
+
+use metrolight::film::Filter;
+use metrolight::integrators::{Sampler, lost_light};
+use metrolight::scene::{Material, Scene};
+
+use super::render::{opening, print_warnings};
+use super::report::quantity;
+use super::source::SceneArgs;
+use super::{Outcome, say};
+
+/// Load a scene, say what is in it, and warn of light that cannot be found
+#[derive(clap::Args)]
+#[command(after_help = "\
+Example:
+  metrolight check scenes/pool/scene.xml
+
+Exit codes: 0 the scene can be rendered (perhaps with warnings), 2 it cannot")]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+/// Prints the scene on stdout and warnings on stderr.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    let opened = args.scene.open()?;
+    say(args.scene.path.display());
+    for (what, text) in describe(&opened.scene) {
+        say(format_args!("  {what:<10} {text}"));
+    }
+    say(format_args!("  {:<10} {}", "time", opening(&opened)));
+    print_warnings(&opened.warnings);
+    let lost = lost_light(&opened.scene, Sampler::Bidirectional);
+    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
+    Ok(Outcome::Done)
+}
+
+fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
+    let emitters = 0..scene.emitters.len() as u32;
+    vec![
+        ("image", image(scene)),
+        ("camera", camera(scene)),
+        ("depth", depth(scene)),
+        ("shapes", shapes(scene)),
+        ("bounds", bounds(scene)),
+        (
+            "memory",
+            format!(
+                "{} bytes of geometry",
+                quantity(scene.geometry.memory_bytes() as f64)
+            ),
+        ),
+        (
+            "materials",
+            by_kind(scene.materials.iter().map(material_name)),
+        ),
+        (
+            "emitters",
+            by_kind(emitters.map(|i| scene.emitters.kind(i).name())),
+        ),
+    ]
+}
+
+fn image(scene: &Scene) -> String {
+    let film = &scene.film;
+    let filter = match film.filter {
+        Filter::Box => "box".into(),
+        Filter::Tent { radius } => format!("tent of radius {radius}"),
+        Filter::Gaussian { stddev } => format!("Gaussian of standard deviation {stddev}"),
+    };
+    format!("{} x {} pixels, filter {filter}", film.width, film.height)
+}
+
+fn camera(scene: &Scene) -> String {
+    if scene.camera.is_pinhole() {
+        "pinhole"
+    } else {
+        "thin lens"
+    }
+    .into()
+}
+
+fn depth(scene: &Scene) -> String {
+    let longest = match scene.depth.max_depth {
+        Some(n) => format!("at most {n} edges"),
+        None => "no limit".into(),
+    };
+    format!(
+        "{longest}, Russian roulette from {} edges on",
+        scene.depth.rr_depth
+    )
+}
+
+fn shapes(scene: &Scene) -> String {
+    let geometry = &scene.geometry;
+    let left_out = match geometry.degenerate_count() {
+        0 => String::new(),
+        n => format!(", {n} without area left out"),
+    };
+    format!(
+        "{} (triangles {}, spheres {}{left_out})",
+        geometry.shape_count(),
+        geometry.triangle_count(),
+        geometry.sphere_count(),
+    )
+}
+
+/// Corners of the box around all surfaces, in the units of the scene file, to the fifth digit of its
+/// largest number.
+fn bounds(scene: &Scene) -> String {
+    let Some((low, high)) = scene.geometry.bounds() else {
+        return "no surfaces".into();
+    };
+    let corners = [low, high].map(|corner| corner.as_dvec3() * scene.unit + scene.center);
+    let largest = corners.map(|corner| corner.abs().max_element());
+    let decimals = (4.0 - largest[0].max(largest[1]).max(1e-300).log10().floor()).max(0.0);
+    let [low, high] = corners.map(|corner| {
+        // Rounded first, and 0 added: no number reads -0.
+        let step = 10.0_f64.powf(decimals);
+        let numbers = corner
+            .to_array()
+            .map(|x| format!("{:.*}", decimals as usize, (x * step).round() / step + 0.0));
+        format!("({})", numbers.join(", "))
+    });
+    format!("{low} to {high}")
+}
+
+fn material_name(material: &Material) -> &'static str {
+    match material {
+        Material::Diffuse { .. } => "diffuse",
+        Material::Conductor { .. } => "conductor",
+        Material::RoughConductor { .. } => "roughconductor",
+        Material::Dielectric { .. } => "dielectric",
+        Material::RoughDielectric { .. } => "roughdielectric",
+        Material::Plastic(_) => "plastic",
+        Material::RoughPlastic(_) => "roughplastic",
+        Material::TwoSided { .. } => "twosided",
+    }
+}
+
+/// `2 area, 1 point`.
+fn by_kind(names: impl Iterator<Item = &'static str>) -> String {
+    let mut counts = BTreeMap::new();
+    for name in names {
+        *counts.entry(name).or_insert(0) += 1;
+    }
+    let counts: Vec<String> = counts
+        .iter()
+        .map(|(name, n)| format!("{n} {name}"))
+        .collect();
+    counts.join(", ")
+}

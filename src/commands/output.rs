@@ -1,0 +1,89 @@
+//! The files that a render leaves.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use metrolight::film::{AttributeValue, Image, check_writable, replace_file, write_exr, write_png};
+use miette::{IntoDiagnostic, bail};
+use serde_json::Value;
+
+/// Where they go.
+pub struct Outputs {
+    pub exr: PathBuf,
+    pub png: PathBuf,
+    pub stats: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// The image at `exr`, or in the current directory under the scene's name, and a preview beside
+    /// it. Fails if one of them could not be written, before anybody has spent time on it.
+    pub fn prepare(
+        exr: Option<PathBuf>,
+        scene_name: &str,
+        stats: Option<PathBuf>,
+    ) -> miette::Result<Self> {
+        let exr = exr.unwrap_or_else(|| format!("{scene_name}.exr").into());
+        let outputs = Self {
+            png: exr.with_extension("png"),
+            exr,
+            stats,
+        };
+        let images = [&outputs.exr, &outputs.png];
+        if let Some(stats) = &outputs.stats
+            && images.contains(&stats)
+        {
+            bail!(
+                "--stats {} is the name of an image that the render writes",
+                stats.display()
+            );
+        }
+        for path in images.into_iter().chain(&outputs.stats) {
+            check_writable(path).into_diagnostic()?;
+        }
+        Ok(outputs)
+    }
+
+    /// Writes all of them; the image carries `report` as attributes.
+    pub fn write(&self, image: &Image, report: &Value) -> miette::Result<()> {
+        let mut attributes = Vec::new();
+        flatten("metrolight", report, &mut attributes);
+        write_exr(&self.exr, image, &attributes).into_diagnostic()?;
+        write_png(&self.png, image).into_diagnostic()?;
+        if let Some(path) = &self.stats {
+            replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;
+        }
+        Ok(())
+    }
+}
+
+/// Every integer up to 2^53 is a double.
+const EXACT: u64 = 1 << 53;
+
+/// Makes attributes `prefix.key`, `prefix.key.key`, `prefix.0`, ... of a JSON value. Null makes none.
+fn flatten(prefix: &str, value: &Value, attributes: &mut Vec<(String, AttributeValue)>) {
+    let scalar = match value {
+        Value::Null => return,
+        Value::Bool(bool) => AttributeValue::Text(bool.to_string()),
+        Value::String(text) => AttributeValue::Text(text.clone()),
+        // What a double cannot hold to the last digit, such as a large seed, is kept as text.
+        Value::Number(number) => match number.as_f64() {
+            Some(double) if number.as_u64().is_none_or(|n| n <= EXACT) => {
+                AttributeValue::Number(double)
+            }
+            _ => AttributeValue::Text(number.to_string()),
+        },
+        Value::Array(values) => {
+            for (i, value) in values.iter().enumerate() {
+                flatten(&format!("{prefix}.{i}"), value, attributes);
+            }
+            return;
+        }
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                flatten(&format!("{prefix}.{key}"), value, attributes);
+            }
+            return;
+        }
+    };
+    attributes.push((prefix.into(), scalar));
+}

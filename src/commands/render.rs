@@ -1,0 +1,273 @@
+//! `metrolight render`: a scene file becomes an image.
+
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use metrolight::integrators::lost_light;
+use metrolight::render::{Budget, Integrator, Settings, render};
+use miette::{IntoDiagnostic, bail};
+
+use super::output::Outputs;
+use super::progress::Progress;
+use super::source::{Opened, SceneArgs};
+use super::{Outcome, interrupt, report, say, tell, values};
+
+/// Render a scene
+///
+/// Writes an OpenEXR image (linear RGB radiance, 32-bit floats, with the figures of the render as
+/// attributes) and a PNG preview (sRGB, clamped). The same scene, seed and --spp give the same image
+/// to the bit, whatever the number of threads. Ctrl-C ends the render early and keeps its image.
+#[derive(clap::Args)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  metrolight render scenes/pool/scene.xml                    writes pool.exr and pool.png
+  metrolight render scene.xml --time 2m -o out/a.exr         two minutes, into a directory
+  metrolight render scene.xml --integrator bdpt --spp 64     bidirectional path tracing
+  metrolight render scene.xml --size 320x240 -D light=3      a small image, a variable set
+
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the image so far is written)"
+)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// OpenEXR file to write; the preview goes beside it, with .png
+    /// [default: NAME.exr in the current directory, NAME the scene file's stem, or its folder's
+    /// name if the stem is `scene`]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = values::exr_path)]
+    output: Option<PathBuf>,
+
+    /// Method
+    #[arg(long, default_value_t = Settings::default().integrator.into())]
+    integrator: IntegratorName,
+
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..),
+        conflicts_with = "time",
+        help = spp_help()
+    )]
+    spp: Option<u64>,
+
+    /// Time to render in (60s, 2m, 1.5h, or plain seconds), instead of --spp; loading does not count
+    #[arg(long, value_name = "TIME", value_parser = values::seconds)]
+    time: Option<f64>,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
+
+    #[arg(
+        long,
+        value_name = "P",
+        value_parser = values::probability,
+        help = large_step_help()
+    )]
+    large_step_probability: Option<f32>,
+
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..=MOST_CHAINS),
+        help = chains_help()
+    )]
+    chains: Option<u64>,
+
+    /// pssmlt: number of bootstrap samples
+    /// [default: until the standard error of b is small]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    bootstrap: Option<u64>,
+
+    /// Write the figures of the render to a JSON file
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// The integrators' names, each with a word about what it is good for.
+#[derive(Clone, Copy, ValueEnum)]
+enum IntegratorName {
+    /// Path tracing: for light that reaches the camera in few bounces from large emitters
+    Path,
+    /// Light tracing: for caustics that are seen directly
+    Light,
+    /// Bidirectional path tracing
+    Bdpt,
+    /// Primary sample space Metropolis over bidirectional path tracing
+    Pssmlt,
+}
+
+impl From<Integrator> for IntegratorName {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Path => Self::Path,
+            Integrator::Light => Self::Light,
+            Integrator::Bdpt => Self::Bdpt,
+            Integrator::Pssmlt => Self::Pssmlt,
+        }
+    }
+}
+
+impl From<IntegratorName> for Integrator {
+    fn from(name: IntegratorName) -> Self {
+        match name {
+            IntegratorName::Path => Self::Path,
+            IntegratorName::Light => Self::Light,
+            IntegratorName::Bdpt => Self::Bdpt,
+            IntegratorName::Pssmlt => Self::Pssmlt,
+        }
+    }
+}
+
+impl std::fmt::Display for IntegratorName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(Integrator::from(*self).name())
+    }
+}
+
+fn spp_help() -> String {
+    let defaults: Vec<String> = Integrator::ALL
+        .iter()
+        .map(|integrator| {
+            let n = integrator.default_samples_per_pixel();
+            format!("{} {n}", integrator.name())
+        })
+        .collect();
+    format!(
+        "Samples per pixel; for pssmlt mutations per pixel [default: {}]",
+        defaults.join(", ")
+    )
+}
+
+fn large_step_help() -> String {
+    let default = Settings::default().large_step_probability;
+    format!("pssmlt: probability of a large step, from 0 to 1 [default: {default}]")
+}
+
+fn chains_help() -> String {
+    let default = Settings::default().chains;
+    format!("pssmlt: number of Markov chains [default: {default}]")
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|&n: &usize| (1..=MOST_THREADS).contains(&n));
+    number.ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
+}
+
+/// More than any machine has; beyond it the operating system refuses.
+const MOST_THREADS: usize = 512;
+
+/// A chain takes some kilobytes.
+const MOST_CHAINS: u64 = 1 << 20;
+
+/// Loads, renders, writes and sums up.
+pub fn run(args: Args) -> miette::Result<Outcome> {
+    let settings = args.settings()?;
+    let outputs = Outputs::prepare(args.output, &args.scene.name()?, args.stats)?;
+    interrupt::listen()?;
+
+    // Load.
+    let opened = args.scene.open()?;
+    let mut warnings = opened.warnings.clone();
+    let lost = lost_light(&opened.scene, settings.integrator.sampler());
+    warnings.extend(lost.iter().map(ToString::to_string));
+    print_warnings(&warnings);
+    if !args.quiet {
+        tell(opening(&opened));
+    }
+    if interrupt::requested() {
+        tell("interrupted before rendering began: nothing is written");
+        return Ok(Outcome::Interrupted);
+    }
+
+    // Render.
+    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
+    progress.finish();
+    print_warnings(&rendering.warnings);
+    warnings.extend_from_slice(&rendering.warnings);
+
+    // Write.
+    if rendering.interrupted && rendering.statistics.samples == 0 {
+        tell("interrupted before the first sample: nothing is written");
+        return Ok(Outcome::Interrupted);
+    }
+    let report = report::json(&args.scene, &opened, &settings, &rendering, &warnings);
+    outputs.write(&rendering.image, &report.into_diagnostic()?)?;
+    if !args.quiet {
+        say(report::summary(&outputs, &rendering.statistics));
+    }
+    if rendering.interrupted {
+        tell("interrupted: the image holds what had been rendered by then");
+        return Ok(Outcome::Interrupted);
+    }
+    Ok(Outcome::Done)
+}
+
+impl Args {
+    fn settings(&self) -> miette::Result<Settings> {
+        let integrator = Integrator::from(self.integrator);
+        let defaults = Settings::new(integrator);
+        let for_metropolis = [
+            (
+                "--large-step-probability",
+                self.large_step_probability.is_some(),
+            ),
+            ("--chains", self.chains.is_some()),
+            ("--bootstrap", self.bootstrap.is_some()),
+        ];
+        for (option, given) in for_metropolis {
+            if given && !integrator.is_metropolis() {
+                bail!(
+                    "{option} means nothing to the integrator {}",
+                    self.integrator
+                );
+            }
+        }
+        Ok(Settings {
+            integrator,
+            budget: match (self.spp, self.time) {
+                (Some(n), _) => Budget::SamplesPerPixel(n),
+                (None, Some(seconds)) => Budget::Seconds(seconds),
+                (None, None) => defaults.budget,
+            },
+            seed: self.seed,
+            threads: self.threads,
+            large_step_probability: self
+                .large_step_probability
+                .unwrap_or(defaults.large_step_probability),
+            chains: self.chains.unwrap_or(defaults.chains),
+            bootstrap: self.bootstrap,
+        })
+    }
+}
+
+/// How long the scene took to open.
+pub fn opening(opened: &Opened) -> String {
+    format!(
+        "loaded in {}, acceleration structure built in {}",
+        report::duration(opened.load_seconds),
+        report::duration(opened.build_seconds),
+    )
+}
+
+/// Prints warnings on stderr, whether quiet or not.
+pub fn print_warnings(warnings: &[String]) {
+    for warning in warnings {
+        tell(format_args!("warning: {warning}"));
+    }
+}

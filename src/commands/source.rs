@@ -1,0 +1,85 @@
+//! The scene that a command is about.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use metrolight::mitsuba::{self, Overrides};
+use metrolight::scene::Scene;
+use miette::IntoDiagnostic;
+
+use super::values;
+
+/// Which scene, and what shall be otherwise than its file says.
+#[derive(clap::Args)]
+pub struct SceneArgs {
+    /// Scene file: XML as Mitsuba 3 reads it (versions 0.5 to 3)
+    #[arg(value_name = "SCENE")]
+    pub path: PathBuf,
+
+    /// Give a variable of the scene ($NAME) a value; may be repeated
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define)]
+    pub defines: Vec<(String, String)>,
+
+    /// Size of the image in pixels [default: as the scene says]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub size: Option<[u32; 2]>,
+
+    /// Longest path in edges: 1 shows emitters alone, 2 adds direct light, -1 has no limit
+    /// [default: as the scene says]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = values::max_depth,
+        allow_negative_numbers = true
+    )]
+    pub max_depth: Option<values::MaxDepth>,
+}
+
+/// A scene ready to be rendered, and what it took.
+pub struct Opened {
+    pub scene: Scene,
+    /// What is strange about its files.
+    pub warnings: Vec<String>,
+    /// For reading and decoding all files.
+    pub load_seconds: f64,
+    /// For the acceleration structure and the emitters' distributions.
+    pub build_seconds: f64,
+}
+
+impl SceneArgs {
+    /// Loads and builds the scene.
+    pub fn open(&self) -> miette::Result<Opened> {
+        let start = Instant::now();
+        let overrides = Overrides { size: self.size };
+        let loaded = mitsuba::load_with(&self.path, &self.defines, overrides)?;
+        let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+        let mut description = loaded.description;
+        if let Some(limit) = self.max_depth {
+            description.depth.max_depth = limit.0;
+        }
+        let load_seconds = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let scene = description
+            .build()
+            .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
+        Ok(Opened {
+            scene,
+            warnings,
+            load_seconds,
+            build_seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// How the scene is called: by its file's stem or, if that is `scene`, by its folder.
+    pub fn name(&self) -> miette::Result<String> {
+        let absolute = std::path::absolute(&self.path).into_diagnostic()?;
+        let stem = absolute.file_stem().unwrap_or_default();
+        let folder = absolute.parent().and_then(Path::file_name);
+        let name = match folder {
+            Some(folder) if stem == "scene" => folder,
+            _ => stem,
+        };
+        Ok(name.to_string_lossy().into_owned())
+    }
+}

@@ -1,0 +1,501 @@
+//! The command line as a user meets it: exit codes, files and messages.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A sphere of glass on a floor below a lamp of radiance `$radiance`.
+const ROOM: &str = r#"<scene version="3.0.0">
+    <default name="radiance" value="3"/>
+    <integrator type="path"><integer name="max_depth" value="6"/></integrator>
+    <sensor type="perspective">
+        <float name="fov" value="45"/>
+        <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm">
+            <integer name="width" value="20"/>
+            <integer name="height" value="15"/>
+            <rfilter type="tent"/>
+        </film>
+    </sensor>
+    <shape type="rectangle">
+        <transform name="to_world"><rotate x="1" angle="-90"/><scale value="3"/></transform>
+    </shape>
+    <shape type="sphere">
+        <point name="center" x="0" y="0.6" z="0"/>
+        <float name="radius" value="0.5"/>
+        <bsdf type="dielectric"/>
+    </shape>
+    <shape type="rectangle">
+        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
+        <emitter type="area"><rgb name="radiance" value="$radiance"/></emitter>
+    </shape>
+</scene>
+"#;
+
+/// Light of radiance `$radiance` from everywhere, and nothing else.
+const SKY: &str = r#"<scene version="3.0.0">
+    <default name="radiance" value="0.25"/>
+    <sensor type="perspective">
+        <film type="hdrfilm">
+            <integer name="width" value="6"/>
+            <integer name="height" value="4"/>
+            <rfilter type="box"/>
+        </film>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="$radiance"/></emitter>
+</scene>
+"#;
+
+/// A directory of its own for each test, with the scenes `room.xml` and `sky.xml`.
+struct Workplace(TempDir);
+
+impl Workplace {
+    fn new() -> Self {
+        let directory = tempfile::tempdir().expect("a directory");
+        fs::write(directory.path().join("room.xml"), ROOM).expect("written");
+        fs::write(directory.path().join("sky.xml"), SKY).expect("written");
+        Self(directory)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// The program with `arguments`, which are separated by spaces.
+    fn run(&self, arguments: &str) -> Command {
+        let mut command = Command::cargo_bin("metrolight").expect("built");
+        command
+            .current_dir(self.0.path())
+            .args(arguments.split(' '));
+        command
+    }
+
+    /// Names of all files, sorted.
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("a directory");
+        let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+        let mut names: Vec<_> = entries.map(|e| name(e.expect("an entry"))).collect();
+        names.sort();
+        names
+    }
+
+    fn pixels(&self, name: &str) -> Vec<[f32; 3]> {
+        read(&self.path(name)).pixels
+    }
+
+    fn json(&self, name: &str) -> Value {
+        let text = fs::read_to_string(self.path(name)).expect("readable");
+        serde_json::from_str(&text).expect("JSON")
+    }
+}
+
+fn read(path: &Path) -> metrolight::film::Image {
+    metrolight::film::read_image(path, metrolight::film::Decode::Raw).expect("an image")
+}
+
+fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+#[test]
+fn the_image_is_called_like_the_scene() {
+    let place = Workplace::new();
+    let summary = contains("wrote room.exr and room.png: 20 x 15 pixels")
+        .and(contains("path: 300 samples (1 per pixel)"));
+    place
+        .run("render room.xml --integrator path --spp 1")
+        .assert()
+        .success()
+        .stdout(summary);
+    assert_eq!(
+        place.files(),
+        ["room.exr", "room.png", "room.xml", "sky.xml"]
+    );
+    let image = read(&place.path("room.exr"));
+    assert_eq!((image.width, image.height), (20, 15));
+    assert!(image.pixels.iter().any(|p| p[0] > 0.0));
+
+    // A file named `scene` goes by its folder.
+    fs::create_dir(place.path("pool.2")).expect("created");
+    fs::copy(place.path("sky.xml"), place.path("pool.2/scene.xml")).expect("copied");
+    place
+        .run("render pool.2/scene.xml --spp 1 --integrator bdpt")
+        .assert()
+        .success();
+    assert!(place.path("pool.2.exr").exists() && place.path("pool.2.png").exists());
+
+    place
+        .run("render sky.xml --spp 1 --integrator light -o pool.2/a.b.exr")
+        .assert()
+        .success();
+    assert!(place.path("pool.2/a.b.exr").exists() && place.path("pool.2/a.b.png").exists());
+}
+
+#[test]
+fn size_depth_and_variables_override_the_scene() {
+    let place = Workplace::new();
+    place
+        .run("render sky.xml --integrator path --spp 2 --size 3x5 -D radiance=4 --stats s.json")
+        .args(["--max-depth", "-1"])
+        .assert()
+        .success();
+    let image = read(&place.path("sky.exr"));
+    assert_eq!((image.width, image.height), (3, 5));
+    assert!(
+        image.pixels.iter().all(|p| *p == [4.0; 3]),
+        "{:?}",
+        image.pixels
+    );
+    assert_eq!(place.json("s.json")["max_depth"], Value::Null);
+
+    // Depth 1 shows emitters alone, and the camera sees none of the room's lamp.
+    place
+        .run("render room.xml --integrator path --spp 4 --max-depth 1")
+        .assert()
+        .success();
+    assert!(place.pixels("room.exr").iter().all(|p| *p == [0.0; 3]));
+}
+
+#[test]
+fn wrong_arguments_are_explained() {
+    let place = Workplace::new();
+    for (arguments, message) in [
+        ("paint room.xml", "unrecognized subcommand 'paint'"),
+        ("render room.xml --sp 1", "unexpected argument '--sp'"),
+        ("render room.xml --spp 0", "0 is not in 1.."),
+        ("render room.xml --spp 1 --time 1s", "cannot be used with"),
+        ("render room.xml --time 0s", "60s, 2m, 1.5h"),
+        ("render room.xml --time 5x", "60s, 2m, 1.5h"),
+        ("render room.xml --size 0x4", "640x480"),
+        ("render room.xml --size 20", "640x480"),
+        ("render room.xml --threads 0", "from 1 to"),
+        (
+            "render room.xml --large-step-probability 1.5",
+            "from 0 to 1",
+        ),
+        (
+            "render room.xml --integrator vcm",
+            "path, light, bdpt, pssmlt",
+        ),
+        (
+            "render room.xml --integrator bdpt --chains 4",
+            "--chains means nothing",
+        ),
+        ("render room.xml --max-depth 0", "-1 for no limit"),
+        ("render room.xml -D radiance", "name=value"),
+        ("render room.xml -o room.png", "ends in .exr"),
+        ("completions basic", "bash"),
+    ] {
+        place
+            .run(arguments)
+            .assert()
+            .code(2)
+            .stdout(is_empty())
+            .stderr(contains(message));
+    }
+    assert_eq!(place.files(), ["room.xml", "sky.xml"]);
+}
+
+#[test]
+fn scenes_that_cannot_be_rendered_are_explained() {
+    let place = Workplace::new();
+    fs::write(
+        place.path("broken.xml"),
+        ROOM.replace("dielectric", "dielektric"),
+    )
+    .expect("written");
+    let dark = ROOM.replace(
+        r#"<emitter type="area"><rgb name="radiance" value="$radiance"/></emitter>"#,
+        "",
+    );
+    fs::write(place.path("dark.xml"), dark).expect("written");
+    for command in ["render", "check"] {
+        for (scene, message) in [
+            ("absent.xml", "absent.xml"),
+            ("broken.xml", "broken.xml:19:"),
+            ("broken.xml", "dielectric"),
+            ("dark.xml", "emitter"),
+        ] {
+            let assert = place.run(&format!("{command} {scene}")).assert();
+            // No colours and no backtrace where no terminal is.
+            let plain = contains("\u{1b}").not().and(contains("backtrace").not());
+            assert
+                .code(2)
+                .stdout(is_empty())
+                .stderr(contains(message).and(plain));
+        }
+    }
+    assert_eq!(
+        place.files(),
+        ["broken.xml", "dark.xml", "room.xml", "sky.xml"]
+    );
+}
+
+/// Were it not noticed at once, the render would go on for an hour, or until it is killed.
+#[test]
+fn an_output_that_cannot_be_written_is_noticed_before_rendering() {
+    let place = Workplace::new();
+    fs::create_dir(place.path("folder.exr")).expect("created");
+    for (output, message) in [
+        ("-o absent/a.exr", "there is no directory absent"),
+        ("-o room.xml/a.exr", "there is no directory room.xml"),
+        ("-o folder.exr", "cannot write folder.exr"),
+        ("--stats absent/s.json", "cannot write absent/s.json"),
+    ] {
+        let arguments = format!("render room.xml --time 1h {output}");
+        let mut command = place.run(&arguments);
+        command.timeout(std::time::Duration::from_secs(60));
+        command.assert().code(2).stderr(contains(message));
+    }
+    assert_eq!(place.files(), ["folder.exr", "room.xml", "sky.xml"]);
+}
+
+#[test]
+fn quiet_is_silent() {
+    let place = Workplace::new();
+    for integrator in ["bdpt", "pssmlt"] {
+        let arguments = format!("render sky.xml --quiet --spp 4 --integrator {integrator}");
+        let assert = place.run(&arguments).assert();
+        assert.success().stdout(is_empty()).stderr(is_empty());
+        fs::remove_file(place.path("sky.exr")).expect("written");
+    }
+}
+
+/// As when `| head` has read enough.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let place = Workplace::new();
+    for arguments in [
+        "check room.xml",
+        "completions zsh",
+        "render sky.xml --spp 1",
+    ] {
+        let closed = || std::io::pipe().expect("a pipe").1;
+        let status = std::process::Command::new(assert_cmd::cargo::cargo_bin("metrolight"))
+            .current_dir(place.path(""))
+            .args(arguments.split(' '))
+            .stdout(closed())
+            .stderr(closed())
+            .status();
+        assert_eq!(status.expect("started").code(), Some(0), "{arguments}");
+    }
+}
+
+#[test]
+fn statistics_tell_what_the_render_took_and_the_image_carries_them() {
+    let place = Workplace::new();
+    let common = "--spp 3 --seed 7 --threads 2 --stats s.json -D radiance=2";
+    place
+        .run(&format!("render room.xml --integrator bdpt {common}"))
+        .assert()
+        .success();
+    let stats = place.json("s.json");
+    assert_eq!(stats["integrator"], "bdpt");
+    assert_eq!(stats["scene"], "room.xml");
+    assert_eq!(stats["seed"], 7);
+    assert_eq!(stats["size"], serde_json::json!([20, 15]));
+    assert_eq!(stats["threads"], 2);
+    assert_eq!(stats["samples"], 3 * 20 * 15);
+    assert_eq!(stats["defines"]["radiance"], "2");
+    assert_eq!(stats["budget"]["samples_per_pixel"], 3);
+    assert_eq!(stats["max_depth"], 6);
+    assert_eq!(stats["non_finite"], 0);
+    assert_eq!(stats["interrupted"], false);
+    assert_eq!(stats.get("metropolis"), None);
+    let positive = [
+        "load_seconds",
+        "build_seconds",
+        "render_seconds",
+        "samples_per_second",
+        "closest_hit_rays",
+        "shadow_rays",
+        "rays_per_second",
+    ];
+    for name in positive {
+        assert!(
+            stats[name].as_f64().is_some_and(|v| v > 0.0),
+            "{name}: {}",
+            stats[name]
+        );
+    }
+
+    let pssmlt = format!("render room.xml --bootstrap 5000 --chains 8 {common}");
+    let summary = contains("b = ")
+        .and(contains("+-"))
+        .and(contains("steps accepted"));
+    place.run(&pssmlt).assert().success().stdout(summary);
+    let stats = place.json("s.json");
+    let metropolis = &stats["metropolis"];
+    assert_eq!(metropolis["chains"], 8);
+    assert_eq!(metropolis["bootstrap_samples"], 5000);
+    for path in [
+        "/b",
+        "/b_standard_error",
+        "/large_steps/acceptance_rate",
+        "/small_steps/acceptance_rate",
+        "/longest_rejection_run",
+    ] {
+        let value = metropolis.pointer(path).and_then(Value::as_f64);
+        assert!(value.is_some_and(|v| v > 0.0), "{path}: {value:?}");
+    }
+    assert_attributes(&place.path("room.exr"), &stats);
+}
+
+/// The image at `path` carries some of the figures in `stats`.
+fn assert_attributes(path: &Path, stats: &Value) {
+    use exr::meta::attribute::{AttributeValue, Text};
+    let meta = exr::meta::MetaData::read_from_file(path, false).expect("an image");
+    let attributes = &meta.headers[0].own_attributes.other;
+    let number = |name: &str| match attributes.get(&Text::from(name)) {
+        Some(AttributeValue::F64(number)) => Some(*number),
+        _ => None,
+    };
+    assert_eq!(number("metrolight.seed"), Some(7.0));
+    assert_eq!(number("metrolight.size.1"), Some(15.0));
+    assert_eq!(
+        number("metrolight.metropolis.b"),
+        stats["metropolis"]["b"].as_f64()
+    );
+    let text = AttributeValue::Text(Text::from("pssmlt"));
+    assert_eq!(
+        attributes.get(&Text::from("metrolight.integrator")),
+        Some(&text)
+    );
+}
+
+#[test]
+fn the_image_depends_on_the_seed_and_not_on_the_threads() {
+    let place = Workplace::new();
+    for integrator in ["path", "light", "bdpt", "pssmlt"] {
+        let mut images = Vec::new();
+        for (threads, seed) in [(1, 1), (2, 1), (3, 1), (2, 2)] {
+            let arguments = format!(
+                "render room.xml -q --spp 5 --integrator {integrator} --threads {threads} --seed {seed}"
+            );
+            place.run(&arguments).assert().success();
+            images.push(place.pixels("room.exr"));
+        }
+        assert!(
+            images[0] == images[1],
+            "{integrator}: 1 and 2 threads differ"
+        );
+        assert!(
+            images[0] == images[2],
+            "{integrator}: 1 and 3 threads differ"
+        );
+        assert!(images[0] != images[3], "{integrator}: seeds do not differ");
+    }
+}
+
+/// Sends SIGINT once the program has told how much time is left: some samples are done by then.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_keeps_its_image() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+    let place = Workplace::new();
+    for integrator in ["bdpt", "pssmlt"] {
+        let mut child = Command::new(assert_cmd::cargo::cargo_bin("metrolight"))
+            .current_dir(place.path(""))
+            .args([
+                "render",
+                "room.xml",
+                "--time",
+                "1h",
+                "--integrator",
+                integrator,
+            ])
+            .args(["--stats", "s.json"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("started");
+        let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
+        let mut next = || lines.next().map(|line| line.expect("text"));
+        while !next()
+            .expect("a line about the time left")
+            .contains(" left")
+        {}
+        let kill = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(kill.expect("kill").success());
+        let rest: Vec<String> = std::iter::from_fn(next).collect();
+        assert_eq!(child.wait().expect("ended").code(), Some(130), "{rest:?}");
+        assert!(
+            rest.iter().any(|line| line.starts_with("interrupted: ")),
+            "{rest:?}"
+        );
+        assert!(place.pixels("room.exr").iter().any(|p| p[0] > 0.0));
+        assert_eq!(place.json("s.json")["interrupted"], true);
+        fs::remove_file(place.path("room.exr")).expect("removed");
+    }
+}
+
+#[test]
+fn check_tells_what_is_in_a_scene() {
+    let place = Workplace::new();
+    place
+        .run("check room.xml --size 8x6")
+        .assert()
+        .success()
+        .stdout(
+            contains("8 x 6 pixels, filter tent")
+                .and(contains("3 (triangles 4, spheres 1)"))
+                .and(contains("at most 6 edges"))
+                .and(contains("1 dielectric"))
+                .and(contains("1 area"))
+                .and(contains(
+                    "(-3.0000, 0.0000, -3.0000) to (3.0000, 3.0000, 3.0000)",
+                )),
+        );
+    assert_eq!(place.files(), ["room.xml", "sky.xml"]);
+}
+
+#[test]
+fn lost_light_is_told_by_check_and_render() {
+    let place = Workplace::new();
+    let scene = repository("scenes/lost-caustic/scene.xml")
+        .display()
+        .to_string();
+    place
+        .run(&format!("check {scene}"))
+        .assert()
+        .success()
+        .stderr(contains("warning: lost light"));
+    let render = format!("render {scene} -q --spp 1 --size 8x6 --integrator bdpt");
+    place
+        .run(&render)
+        .assert()
+        .success()
+        .stderr(contains("warning: lost light"));
+    assert!(place.path("lost-caustic.exr").exists());
+}
+
+#[test]
+fn help_needs_no_manual() {
+    let place = Workplace::new();
+    for command in ["--help", "render --help", "check --help"] {
+        place
+            .run(command)
+            .assert()
+            .success()
+            .stdout(contains("Exit codes"));
+    }
+    place.run("render --help").assert().success().stdout(
+        contains("Examples:")
+            .and(contains("60s, 2m, 1.5h"))
+            .and(contains("[default: path 64"))
+            .and(contains("[default: pssmlt]")),
+    );
+    place
+        .run("completions bash")
+        .assert()
+        .success()
+        .stdout(contains("_metrolight"));
+}
