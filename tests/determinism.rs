@@ -1,0 +1,46 @@
+//! Same scene, seed and sample count: the same image to the bit, whatever the number of threads.
+
+mod common;
+
+use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::scene::Scene;
+
+fn bits(scene: &Scene, integrator: Integrator, threads: usize, seed: u64) -> Vec<[u32; 3]> {
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(3),
+        threads: Some(threads),
+        seed,
+        chains: 37,
+        ..Settings::new(integrator)
+    };
+    let image = render(scene, &settings, &Unobserved)
+        .expect("threads")
+        .image;
+    image
+        .pixels
+        .iter()
+        .map(|pixel| pixel.map(f32::to_bits))
+        .collect()
+}
+
+#[test]
+fn images_do_not_depend_on_the_number_of_threads() {
+    // A filter wider than a pixel, so that splats of different runs meet in one pixel.
+    for scene in [
+        "scenes/spheres/scene.xml",
+        "tests/references/scenes/gaussian.xml",
+    ] {
+        let scene = common::load(scene, &[("resx", "57"), ("resy", "41")]);
+        for integrator in Integrator::ALL {
+            let one = bits(&scene, integrator, 1, 7);
+            for threads in [2, 3, 5] {
+                let more = bits(&scene, integrator, threads, 7);
+                assert!(one == more, "{integrator:?} on {threads} threads");
+            }
+            assert!(
+                one != bits(&scene, integrator, 1, 8),
+                "{integrator:?}: another seed"
+            );
+        }
+    }
+}
