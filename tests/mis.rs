@@ -206,10 +206,7 @@ fn met_emitter(
 ) -> Emitter {
     if t - 1 > camera.len() {
         let escape = escape.expect("technique (0, t) beyond the last vertex is an escape");
-        let densities = scene
-            .emitters
-            .escape(escape.from, escape.direction)
-            .unwrap();
+        let densities = scene.emitters.escape(escape.direction).unwrap();
         let direction = escape.direction;
         return Emitter {
             position: None,

@@ -41,7 +41,7 @@ pub fn sample<C: Coordinates>(
     let i = camera.vertices.len() + 1;
     if i <= edges
         && let Some(escape) = &camera.escape
-        && let Some(emission) = scene.emitters.escape(escape.from, escape.direction)
+        && let Some(emission) = scene.emitters.escape(escape.direction)
     {
         let pdf_direct = f64::from(emission.pdf_direct);
         let weight = hit_weight(heuristic, &escape.carried, pdf_direct, i);

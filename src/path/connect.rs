@@ -55,7 +55,7 @@ pub fn escaped(
     escape: &Escape,
     i: usize,
 ) -> Option<Connection> {
-    let emission = scene.emitters.escape(escape.from, escape.direction)?;
+    let emission = scene.emitters.escape(escape.direction)?;
     Some(met(
         heuristic,
         &emission,

@@ -8,8 +8,6 @@ use crate::math::Rgb;
 /// A camera subpath that met no surface: its last vertex is at infinity.
 #[derive(Clone, Copy, Debug)]
 pub struct Escape {
-    /// The last point in the scene: a surface vertex, or the lens.
-    pub from: Vec3A,
     /// Unit, the way it went.
     pub direction: Vec3A,
     /// Importance over the density of having made the subpath.

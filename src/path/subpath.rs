@@ -312,7 +312,6 @@ impl Walk<'_> {
             _ => Carried::after_lens(step.pdf),
         };
         Escape {
-            from: step.from,
             direction: step.ray.direction,
             throughput: step.throughput,
             carried,

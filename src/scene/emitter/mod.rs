@@ -37,8 +37,8 @@ pub struct EmissionToward {
     /// Native density of y_0 when sampled as the start of a light subpath (s >= 2).
     pub pdf_position: f32,
     /// Density of the direction toward the point given y_0 (s >= 2): per steradian for emitters at
-    /// a finite place; per unit area of the disk that emits for those at infinity. Discrete (1) for
-    /// none: a directional light's disk has an area density too.
+    /// a finite place; per unit area of the disk that emits for those at infinity,
+    /// directional lights among them.
     pub pdf_direction: f32,
 }
 
@@ -325,7 +325,7 @@ impl Emitters {
     /// at infinity; `None` if the scene has none that a ray can meet. It is the same wherever in the
     /// scene the ray started.
     #[inline]
-    pub fn escape(&self, _from: Vec3A, direction: Vec3A) -> Option<EmissionToward> {
+    pub fn escape(&self, direction: Vec3A) -> Option<EmissionToward> {
         let emitter = self.environment?;
         match &self.emitters[emitter as usize] {
             Emitter::Environment(light) => Some(light.escape(direction, self.probability(emitter))),

@@ -41,7 +41,7 @@ fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
 fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     let mut density = scene
         .emitters
-        .escape(point, direction)
+        .escape(direction)
         .map_or(0.0, |light| f64::from(light.pdf_direct));
     let mut origin = point;
     while let Some(hit) = scene.geometry.intersect(
@@ -207,7 +207,7 @@ fn emission_has_its_densities() {
             let probability = scene.emitters.probability(i);
             let by_escape = || {
                 integrate(12, |direction| {
-                    let light = scene.emitters.escape(Vec3A::ZERO, direction);
+                    let light = scene.emitters.escape(direction);
                     light.map_or(0.0, |l| f64::from(l.pdf_position / probability) * n as f64)
                 })
             };
@@ -310,10 +310,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
                     )
                 }
                 EmitterKind::Constant | EmitterKind::Envmap => {
-                    let light = scene
-                        .emitters
-                        .escape(point, -sample.direction)
-                        .expect("light");
+                    let light = scene.emitters.escape(-sample.direction).expect("light");
                     (light.radiance, 1.0, light.pdf_direct)
                 }
                 EmitterKind::Point => (
@@ -364,6 +361,6 @@ fn a_directional_light_fills_its_disk_and_falls_one_way() {
         assert!(direct.target.length() > SCENE_RADIUS);
         assert_eq!(direct.emission.radiance, Rgb::new(3.0, 1.0, 2.0));
         assert_eq!((direct.geometry, direct.spread), (1.0, 1.0));
-        assert!(scene.emitters.escape(point, -direction).is_none());
+        assert!(scene.emitters.escape(-direction).is_none());
     }
 }

@@ -138,6 +138,6 @@ fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionT
             let cos = -hit.geometric_normal.dot(direction);
             Some((emission, to.length_squared() / cos))
         }
-        None => Some((scene.emitters.escape(point, direction)?, 1.0)),
+        None => Some((scene.emitters.escape(direction)?, 1.0)),
     }
 }
