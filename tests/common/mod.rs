@@ -1,6 +1,7 @@
 //! What several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod figures;
 pub mod tiles;
 
 use std::path::Path;
