@@ -184,7 +184,7 @@ fn exr_keeps_pixels_and_attributes() {
         ("scene".into(), AttributeValue::Text("sölid.xml".into())),
         ("seed".into(), AttributeValue::Number(7.5)),
     ];
-    write_exr(&path, &small_image(), &attributes).expect("written");
+    write_exr(&path, &small_image(), &[], &attributes).expect("written");
 
     let layer = read_first_flat_layer_from_file(&path)
         .expect("a readable file")

@@ -311,7 +311,7 @@ fn the_bootstrap_stops_when_b_is_known_and_does_not_depend_on_threads() {
     // Sample i can be made again.
     let mut point = FreshCoordinates::new(a.generator(123));
     let again = Ridge.evaluate(&mut point, &mut Place::default());
-    assert_eq!(again as f32, a.densities[123]);
+    assert_eq!(again, a.densities[123]);
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn resampling_is_proportional_and_never_chooses_darkness() {
         assert_eq!(chosen.len(), 80);
         for (i, weight) in weights.iter().enumerate() {
             let expected = weight / 4.0 * 80.0;
-            let count = chosen.iter().filter(|&&c| c == i).count() as f32;
+            let count = chosen.iter().filter(|&&c| c == i).count() as f64;
             assert!((count - expected).abs() < 1.0 && (*weight > 0.0 || count == 0.0));
         }
     }

@@ -54,7 +54,7 @@ fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
         ),
         (
             "materials",
-            by_kind(scene.materials.iter().map(material_name)),
+            by_kind(scene.materials.iter().map(Material::name)),
         ),
         (
             "emitters",
@@ -110,10 +110,10 @@ fn shapes(scene: &Scene) -> String {
 /// Corners of the box around all surfaces, in the units of the scene file, to the fifth digit of its
 /// largest number.
 fn bounds(scene: &Scene) -> String {
-    let Some((low, high)) = scene.geometry.bounds() else {
+    let Some((low, high)) = scene.world_bounds() else {
         return "no surfaces".into();
     };
-    let corners = [low, high].map(|corner| corner.as_dvec3() * scene.unit + scene.center);
+    let corners = [low, high];
     let largest = corners.map(|corner| corner.abs().max_element());
     let decimals = (4.0 - largest[0].max(largest[1]).max(1e-300).log10().floor()).max(0.0);
     let [low, high] = corners.map(|corner| {
@@ -125,19 +125,6 @@ fn bounds(scene: &Scene) -> String {
         format!("({})", numbers.join(", "))
     });
     format!("{low} to {high}")
-}
-
-fn material_name(material: &Material) -> &'static str {
-    match material {
-        Material::Diffuse { .. } => "diffuse",
-        Material::Conductor { .. } => "conductor",
-        Material::RoughConductor { .. } => "roughconductor",
-        Material::Dielectric { .. } => "dielectric",
-        Material::RoughDielectric { .. } => "roughdielectric",
-        Material::Plastic(_) => "plastic",
-        Material::RoughPlastic(_) => "roughplastic",
-        Material::TwoSided { .. } => "twosided",
-    }
 }
 
 /// `2 area, 1 point`.

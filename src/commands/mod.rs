@@ -6,6 +6,7 @@ mod interrupt;
 mod output;
 mod progress;
 mod render;
+mod replay;
 mod report;
 mod source;
 mod values;
@@ -41,6 +42,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Check(check::Args),
+    Replay(replay::Args),
     Completions(completions::Args),
 }
 
@@ -66,6 +68,7 @@ pub fn run() -> miette::Result<Outcome> {
     match Cli::parse().command {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }
 }

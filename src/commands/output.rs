@@ -3,7 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use metrolight::film::{AttributeValue, Image, check_writable, replace_file, write_exr, write_png};
+use metrolight::film::{
+    AttributeValue, ExrLayer, check_writable, replace_file, write_exr, write_png,
+};
+use metrolight::render::Rendering;
 use miette::{IntoDiagnostic, bail};
 use serde_json::Value;
 
@@ -43,11 +46,17 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes all of them; the image carries `report` as attributes.
-    pub fn write(&self, image: &Image, report: &Value) -> miette::Result<()> {
+    /// Writes all of them; the image carries its error as a layer and `report` as attributes.
+    pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
+        let image = &rendering.image;
+        let error = rendering.error.as_ref();
+        let layers: Vec<ExrLayer> = error
+            .map(|error| ("standard_error", &*error.standard_errors))
+            .into_iter()
+            .collect();
         let mut attributes = Vec::new();
         flatten("metrolight", report, &mut attributes);
-        write_exr(&self.exr, image, &attributes).into_diagnostic()?;
+        write_exr(&self.exr, image, &layers, &attributes).into_diagnostic()?;
         write_png(&self.png, image).into_diagnostic()?;
         if let Some(path) = &self.stats {
             replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use metrolight::integrators::lost_light;
-use metrolight::render::{Budget, Integrator, Settings, render};
+use metrolight::render::{Budget, Integrator, Rendering, Settings, render};
 use miette::{IntoDiagnostic, bail};
 
 use super::output::Outputs;
 use super::progress::Progress;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, interrupt, report, say, tell, values};
+use super::{Outcome, interrupt, replay, report, say, tell, values};
 
 /// Render a scene
 ///
@@ -26,6 +26,7 @@ Examples:
   metrolight render scenes/pool/scene.xml                    writes pool.exr and pool.png
   metrolight render scene.xml --time 2m -o out/a.exr         two minutes, into a directory
   metrolight render scene.xml --integrator bdpt --spp 64     bidirectional path tracing
+  metrolight render scene.xml --target-error 0.01            until the relMSE is about 0.01
   metrolight render scene.xml --size 320x240 -D light=3      a small image, a variable set
 
 Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the image so far is written)"
@@ -86,6 +87,16 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     bootstrap: Option<u64>,
 
+    /// Estimate the standard error of every pixel: adds the channels standard_error.R, .G and .B to
+    /// the EXR file and prints the relMSE that they make expect
+    #[arg(long)]
+    error: bool,
+
+    /// Stop as soon as the estimated relMSE is E or less; with --spp or --time no later than these
+    /// say, else however long it takes. Means --error too
+    #[arg(long, value_name = "E", value_parser = values::target_error)]
+    target_error: Option<f64>,
+
     /// Write the figures of the render to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -97,7 +108,7 @@ pub struct Args {
 
 /// The integrators' names, each with a word about what it is good for.
 #[derive(Clone, Copy, ValueEnum)]
-enum IntegratorName {
+pub enum IntegratorName {
     /// Path tracing: for light that reaches the camera in few bounces from large emitters
     Path,
     /// Light tracing: for caustics that are seen directly
@@ -171,6 +182,9 @@ fn threads(text: &str) -> Result<usize, String> {
 /// More than any machine has; beyond it the operating system refuses.
 const MOST_THREADS: usize = 512;
 
+/// Contributions that were not finite: so many command lines are printed that show one.
+const MOST_REPLAYS: usize = 8;
+
 /// A chain takes some kilobytes.
 const MOST_CHAINS: u64 = 1 << 20;
 
@@ -199,6 +213,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
     print_warnings(&rendering.warnings);
+    print_replays(&args.scene, &settings, &rendering);
     warnings.extend_from_slice(&rendering.warnings);
 
     // Write.
@@ -207,9 +222,9 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     let report = report::json(&args.scene, &opened, &settings, &rendering, &warnings);
-    outputs.write(&rendering.image, &report.into_diagnostic()?)?;
+    outputs.write(&rendering, &report.into_diagnostic()?)?;
     if !args.quiet {
-        say(report::summary(&outputs, &rendering.statistics));
+        say(report::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
         tell("interrupted: the image holds what had been rendered by then");
@@ -243,8 +258,11 @@ impl Args {
             budget: match (self.spp, self.time) {
                 (Some(n), _) => Budget::SamplesPerPixel(n),
                 (None, Some(seconds)) => Budget::Seconds(seconds),
+                (None, None) if self.target_error.is_some() => Budget::Unlimited,
                 (None, None) => defaults.budget,
             },
+            error: self.error,
+            target_error: self.target_error,
             seed: self.seed,
             threads: self.threads,
             large_step_probability: self
@@ -263,6 +281,15 @@ pub fn opening(opened: &Opened) -> String {
         report::duration(opened.load_seconds),
         report::duration(opened.build_seconds),
     )
+}
+
+/// Prints command lines that show contributions which were not finite.
+fn print_replays(scene: &SceneArgs, settings: &Settings, rendering: &Rendering) {
+    let origins = &rendering.statistics.non_finite_origins;
+    for &origin in origins.iter().take(MOST_REPLAYS) {
+        let command = replay::command(scene, settings, origin);
+        tell(format_args!("not finite: {command}"));
+    }
 }
 
 /// Prints warnings on stderr, whether quiet or not.

@@ -20,6 +20,8 @@ struct Report<'a> {
     build_seconds: f64,
     #[serde(flatten)]
     statistics: &'a Statistics,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<Value>,
     interrupted: bool,
     warnings: &'a [String],
 }
@@ -44,17 +46,27 @@ pub fn json(
         budget: match settings.budget {
             Budget::SamplesPerPixel(n) => json!({ "samples_per_pixel": n }),
             Budget::Seconds(seconds) => json!({ "seconds": seconds }),
+            Budget::Unlimited => json!("unlimited"),
         },
         load_seconds: opened.load_seconds,
         build_seconds: opened.build_seconds,
         statistics: &rendering.statistics,
+        error: rendering.error.as_ref().map(|error| {
+            json!({
+                "relative_mse": error.relative_mse,
+                "independent_parts": error.parts,
+                "pixels_resting_on_one_part": error.single,
+                "target_relative_mse": settings.target_error,
+            })
+        }),
         interrupted: rendering.interrupted,
         warnings,
     })
 }
 
 /// A few lines: what was written, how much was done and how fast.
-pub fn summary(outputs: &Outputs, statistics: &Statistics) -> String {
+pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
+    let statistics = &rendering.statistics;
     let [width, height] = statistics.size;
     let files = match &outputs.stats {
         Some(stats) => format!(
@@ -89,6 +101,16 @@ pub fn summary(outputs: &Outputs, statistics: &Statistics) -> String {
         ),
     ];
     lines.extend(statistics.metropolis.iter().flat_map(metropolis_lines));
+    if let Some(error) = &rendering.error {
+        let parts = match statistics.metropolis {
+            Some(_) => "groups of chains",
+            None => "passes",
+        };
+        lines.push(format!(
+            "relMSE about {:.2e}, from the spread of {} {parts}",
+            error.relative_mse, error.parts
+        ));
+    }
     lines.join("\n")
 }
 

@@ -71,6 +71,24 @@ impl SceneArgs {
         })
     }
 
+    /// The arguments that name this scene, for a command line that is printed.
+    pub fn words(&self) -> String {
+        let mut words = vec![quoted(&self.path.to_string_lossy())];
+        for (name, value) in &self.defines {
+            words.push(format!("-D {}", quoted(&format!("{name}={value}"))));
+        }
+        if let Some([width, height]) = self.size {
+            words.push(format!("--size {width}x{height}"));
+        }
+        if let Some(limit) = self.max_depth {
+            words.push(match limit.0 {
+                Some(depth) => format!("--max-depth {depth}"),
+                None => "--max-depth -1".into(),
+            });
+        }
+        words.join(" ")
+    }
+
     /// How the scene is called: by its file's stem or, if that is `scene`, by its folder.
     pub fn name(&self) -> miette::Result<String> {
         let absolute = std::path::absolute(&self.path).into_diagnostic()?;
@@ -81,5 +99,28 @@ impl SceneArgs {
             _ => stem,
         };
         Ok(name.to_string_lossy().into_owned())
+    }
+}
+
+/// A word as shells want it, in quotes where it needs them.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_split_them() {
+        assert_eq!(quoted("a/b.xml"), "a/b.xml");
+        assert_eq!(quoted("x=1, 2"), "'x=1, 2'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
     }
 }

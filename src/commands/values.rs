@@ -32,6 +32,14 @@ pub fn probability(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "a number from 0 to 1 is needed".into())
 }
 
+/// A relMSE to stop at.
+pub fn target_error(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|e: &f64| *e > 0.0 && e.is_finite())
+        .ok_or_else(|| "a relMSE above 0 is needed, such as 0.01".into())
+}
+
 /// A limit on the edges of a path; `None` for none, which is written -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaxDepth(pub Option<u32>);
@@ -99,6 +107,12 @@ mod tests {
     fn numbers_stay_in_range() {
         assert_eq!(probability("0.3"), Ok(0.3));
         assert_eq!(probability("1"), Ok(1.0));
+        assert_eq!(target_error("1e-3"), Ok(1e-3));
+        assert!(
+            ["0", "-1", "inf", "nan", "1%"]
+                .iter()
+                .all(|e| target_error(e).is_err())
+        );
         assert_eq!(max_depth("-1"), Ok(MaxDepth(None)));
         assert_eq!(max_depth("12"), Ok(MaxDepth(Some(12))));
         assert!(

@@ -4,67 +4,23 @@
 //! and W_j the integral of h(x - x_j) over the film: at the border a filter is normalised by the
 //! part of it that the film covers.
 
-use rayon::prelude::*;
-
+use super::splats::{Splat, SplatFilm, SplatLog, add};
 use super::{Filter, Image};
-use crate::math::Rgb;
-
-/// Light that arrives at a point of the film.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Splat {
-    /// In [0, 1)^2; (0, 0) is the top left corner of the image.
-    pub position: [f32; 2],
-    /// A sample of the integral over the film, taken as the unit square.
-    pub value: Rgb,
-}
-
-/// Splats in the order of their making. Clear and fill it again to reuse its memory.
-#[derive(Clone, Debug, Default)]
-pub struct SplatLog {
-    splats: Vec<Splat>,
-}
-
-impl SplatLog {
-    /// A log without splats.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Appends a splat. Its value must be finite.
-    #[inline]
-    pub fn push(&mut self, splat: Splat) {
-        self.splats.push(splat);
-    }
-
-    /// Forgets all splats and keeps the memory.
-    pub fn clear(&mut self) {
-        self.splats.clear();
-    }
-
-    /// All splats, in order.
-    pub fn splats(&self) -> &[Splat] {
-        &self.splats
-    }
-}
 
 /// An image in the making: the samples of each pixel, and splats from anywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    grid: Grid,
     /// Per pixel, the sum and the number of samples distributed by the filter.
     samples: Vec<([f64; 3], u64)>,
-    /// Per pixel, the sum of splats times the pixel's normalised filter.
-    splats: Vec<[f64; 3]>,
+    splats: SplatFilm,
 }
 
 impl Film {
     /// A black film of `width` x `height` pixels, both at least 1.
     pub fn new(width: u32, height: u32, filter: Filter) -> Self {
-        let pixels = width as usize * height as usize;
         Self {
-            grid: Grid::new(width, height, filter),
-            samples: vec![([0.0; 3], 0); pixels],
-            splats: vec![[0.0; 3]; pixels],
+            samples: vec![([0.0; 3], 0); width as usize * height as usize],
+            splats: SplatFilm::new(width, height, filter),
         }
     }
 
@@ -78,165 +34,34 @@ impl Film {
 
     /// Adds a splat to every pixel whose filter reaches its position.
     pub fn splat(&mut self, splat: &Splat) {
-        let mut scratch = Vec::new();
-        self.grid.add(&mut self.splats, 0, splat, &mut scratch);
+        self.splats.splat(splat);
     }
 
-    /// Adds all splats of `logs`, those of the first log first. Bands of rows are filled in
-    /// parallel, and every pixel adds its splats in the order of the logs: the sums are the same to
-    /// the bit for any number of threads.
+    /// Adds all splats of `logs`, as [`SplatFilm::apply`] does.
     pub fn apply(&mut self, logs: &[&SplatLog]) {
-        let grid = &self.grid;
-        let orders: Vec<BandOrder> = logs.par_iter().map(|log| grid.sort(log)).collect();
-        let band_pixels = grid.band_rows * grid.columns.len();
-        let bands = self.splats.par_chunks_mut(band_pixels).enumerate();
-        bands.for_each(|(band, sums)| {
-            let mut scratch = Vec::new();
-            for (log, order) in logs.iter().zip(&orders) {
-                for &i in order.of(band) {
-                    grid.add(sums, band * grid.band_rows, &log.splats[i], &mut scratch);
-                }
-            }
-        });
+        self.splats.apply(logs);
     }
 
-    /// The image: the mean of each pixel's samples (black if there are none), plus the splats times
-    /// `splat_scale` (1 over the number of samples of the film that they come from).
+    /// A pixel of the image: the mean of its samples (black if there are none), plus its splats
+    /// times `splat_scale` (1 over the number of samples of the film that they come from).
+    #[inline]
+    pub fn value(&self, pixel: usize, splat_scale: f64) -> [f64; 3] {
+        let (sum, count) = self.samples[pixel];
+        let splats = self.splats.sum(pixel);
+        let mean_scale = if count == 0 { 0.0 } else { 1.0 / count as f64 };
+        std::array::from_fn(|c| sum[c] * mean_scale + splats[c] * splat_scale)
+    }
+
+    /// The image: [`Self::value`] of all pixels.
     pub fn develop(&self, splat_scale: f64) -> Image {
-        let pixel = |(&(sum, count), &splats): (&([f64; 3], u64), &[f64; 3])| {
-            let mean_scale = if count == 0 { 0.0 } else { 1.0 / count as f64 };
-            std::array::from_fn(|c| (sum[c] * mean_scale + splats[c] * splat_scale) as f32)
-        };
+        let pixels = 0..self.samples.len();
+        let [width, height] = self.splats.size();
         Image {
-            width: self.grid.columns.len(),
-            height: self.grid.rows.len(),
-            pixels: self.samples.iter().zip(&self.splats).map(pixel).collect(),
+            width,
+            height,
+            pixels: pixels
+                .map(|pixel| self.value(pixel, splat_scale).map(|v| v as f32))
+                .collect(),
         }
-    }
-}
-
-#[inline]
-fn add(sum: &mut [f64; 3], value: [f64; 3]) {
-    for (s, v) in sum.iter_mut().zip(value) {
-        *s += v;
-    }
-}
-
-/// Where pixels are and how their filters are normalised.
-#[derive(Clone, Debug, PartialEq)]
-struct Grid {
-    filter: Filter,
-    /// Number of pixels along the side over the integral of the filter within the film, in pixels:
-    /// what normalises the filter on a film of unit width, per column and per row.
-    columns: Vec<f64>,
-    rows: Vec<f64>,
-    /// Rows that one task of [`Film::apply`] fills; the same for any number of threads.
-    band_rows: usize,
-}
-
-/// The splats of one log by the bands of rows that they reach: a stable counting sort.
-struct BandOrder {
-    /// Where each band begins in `splats`, and where the last one ends.
-    starts: Vec<usize>,
-    /// Indices in the log, ascending within a band.
-    splats: Vec<usize>,
-}
-
-impl BandOrder {
-    fn of(&self, band: usize) -> &[usize] {
-        &self.splats[self.starts[band]..self.starts[band + 1]]
-    }
-}
-
-impl Grid {
-    /// Bands no thinner than this: a splat seldom reaches more than two.
-    const MIN_BAND_ROWS: usize = 8;
-    /// About as many bands as the machines have threads that we care for.
-    const MAX_BANDS: usize = 64;
-
-    fn new(width: u32, height: u32, filter: Filter) -> Self {
-        let normalise = |size: u32| -> Vec<f64> {
-            let parts = filter.parts_within(size);
-            parts
-                .iter()
-                .map(|[a, b]| f64::from(size) / (b - a))
-                .collect()
-        };
-        let rows = normalise(height);
-        let band_rows = rows
-            .len()
-            .div_ceil(Self::MAX_BANDS)
-            .max(Self::MIN_BAND_ROWS);
-        Self {
-            filter,
-            columns: normalise(width),
-            rows,
-            band_rows,
-        }
-    }
-
-    /// The pixels along a side of `size` whose filters may reach `position`, in pixels.
-    #[inline]
-    fn reach(&self, position: f64, size: usize) -> std::ops::Range<usize> {
-        let radius = self.filter.radius();
-        // Conversion saturates: a negative bound becomes 0.
-        let begin = (position - radius - 0.5).ceil() as usize;
-        let end = (position + radius + 0.5).floor() as usize;
-        begin.min(size)..end.min(size)
-    }
-
-    /// Adds a splat to the part of a film in `sums`, which begins with row `first_row`. `scratch`
-    /// is room for a row of weights.
-    #[inline]
-    fn add(&self, sums: &mut [[f64; 3]], first_row: usize, splat: &Splat, scratch: &mut Vec<f64>) {
-        let width = self.columns.len();
-        let x = f64::from(splat.position[0]) * width as f64;
-        let y = f64::from(splat.position[1]) * self.rows.len() as f64;
-        let columns = self.reach(x, width);
-        let rows = self.reach(y, first_row + sums.len() / width);
-
-        scratch.clear();
-        scratch.extend(columns.clone().map(|j| self.weight(&self.columns, x, j)));
-        let value = splat.value.to_array().map(f64::from);
-        for row in rows.start.max(first_row)..rows.end {
-            let row_weight = self.weight(&self.rows, y, row);
-            let begin = (row - first_row) * width;
-            let pixels = &mut sums[begin + columns.start..begin + columns.end];
-            for (pixel, &column_weight) in pixels.iter_mut().zip(scratch.iter()) {
-                let weight = row_weight * column_weight;
-                add(pixel, value.map(|v| v * weight));
-            }
-        }
-    }
-
-    /// The normalised filter of pixel `j` along one side, at `position` in pixels.
-    #[inline]
-    fn weight(&self, normalisation: &[f64], position: f64, j: usize) -> f64 {
-        self.filter.evaluate(position - (j as f64 + 0.5)) * normalisation[j]
-    }
-
-    fn sort(&self, log: &SplatLog) -> BandOrder {
-        let height = self.rows.len();
-        let bands = |splat: &Splat| {
-            let rows = self.reach(f64::from(splat.position[1]) * height as f64, height);
-            rows.start / self.band_rows..rows.end.div_ceil(self.band_rows)
-        };
-        // Counts, shifted by one band: their running sums are where the bands begin.
-        let mut starts = vec![0; height.div_ceil(self.band_rows) + 1];
-        for splat in &log.splats {
-            bands(splat).for_each(|band| starts[band + 1] += 1);
-        }
-        for band in 1..starts.len() {
-            starts[band] += starts[band - 1];
-        }
-        let mut next = starts.clone();
-        let mut splats = vec![0; starts[starts.len() - 1]];
-        for (i, splat) in log.splats.iter().enumerate() {
-            for band in bands(splat) {
-                splats[next[band]] = i;
-                next[band] += 1;
-            }
-        }
-        BandOrder { starts, splats }
     }
 }

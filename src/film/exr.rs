@@ -4,7 +4,9 @@ use std::io::{self, BufWriter};
 use std::path::Path;
 
 use exr::meta::attribute::{AttributeValue as ExrValue, Text};
-use exr::prelude::{Encoding, Layer, LayerAttributes, SpecificChannels, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage,
+};
 
 use super::file::{WriteError, replace_file};
 use super::read::Image;
@@ -18,18 +20,23 @@ pub enum AttributeValue {
     Number(f64),
 }
 
+/// Three values for every pixel of an image, in rows from the top, and the name of their layer.
+pub type ExrLayer<'a> = (&'a str, &'a [[f32; 3]]);
+
 /// Writes linear RGB in 32-bit floats, losslessly compressed, with `attributes`. Their names must
-/// not be those of OpenEXR's standard attributes: give them a prefix.
+/// not be those of OpenEXR's standard attributes: give them a prefix. Each of `layers` goes beside
+/// the image, into channels NAME.R, NAME.G and NAME.B.
 ///
 /// # Errors
 /// If the file cannot be written, or a name is empty, longer than 255 bytes or a standard one.
 pub fn write_exr(
     path: &Path,
     image: &Image,
+    layers: &[ExrLayer],
     attributes: &[(String, AttributeValue)],
 ) -> Result<(), WriteError> {
     replace_file(path, |writer| {
-        encode(writer, image, attributes).map_err(|error| match error {
+        encode(writer, image, layers, attributes).map_err(|error| match error {
             exr::error::Error::Io(error) => error,
             other => io::Error::other(other),
         })
@@ -39,6 +46,7 @@ pub fn write_exr(
 fn encode(
     writer: &mut BufWriter<std::fs::File>,
     image: &Image,
+    layers: &[ExrLayer],
     attributes: &[(String, AttributeValue)],
 ) -> exr::error::UnitResult {
     let (width, height) = (image.width, image.height);
@@ -53,11 +61,15 @@ fn encode(
         };
         layer_attributes.other.insert(text(name), value);
     }
-    let pixel = |at: exr::math::Vec2<usize>| {
-        let [r, g, b] = image.pixels[at.y() * width + at.x()];
-        (r, g, b)
+    let named = |&(name, pixels): &ExrLayer| {
+        [0, 1, 2].map(|c| {
+            let name = format!("{name}.{}", ["R", "G", "B"][c]);
+            channel(&name, pixels, c)
+        })
     };
-    let channels = SpecificChannels::rgb(pixel);
+    let own = [0, 1, 2].map(|c| channel(["R", "G", "B"][c], &image.pixels, c));
+    let channels = own.into_iter().chain(layers.iter().flat_map(named));
+    let channels = AnyChannels::sort(channels.collect());
     let layer = Layer::new(
         (width, height),
         layer_attributes,
@@ -67,6 +79,12 @@ fn encode(
     exr::image::Image::from_layer(layer)
         .write()
         .to_buffered(writer)
+}
+
+/// Component `c` of all `pixels`.
+fn channel(name: &str, pixels: &[[f32; 3]], c: usize) -> AnyChannel<FlatSamples> {
+    let samples = pixels.iter().map(|pixel| pixel[c]).collect();
+    AnyChannel::new(text(name), FlatSamples::F32(samples))
 }
 
 /// OpenEXR's strings are bytes; their encoding is UTF-8 by convention.

@@ -7,11 +7,13 @@ pub mod filter;
 pub mod png;
 pub mod read;
 pub mod sampler;
+pub mod splats;
 
-pub use accumulate::{Film, Splat, SplatLog};
-pub use exr::{AttributeValue, write_exr};
+pub use accumulate::Film;
+pub use exr::{AttributeValue, ExrLayer, write_exr};
 pub use file::{WriteError, check_writable, replace_file};
 pub use filter::{Filter, FilterSampler};
 pub use png::write_png;
 pub use read::{Decode, Image, ReadImageError, read_image};
 pub use sampler::FilmSampler;
+pub use splats::{Splat, SplatFilm, SplatLog};

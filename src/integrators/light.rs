@@ -3,22 +3,22 @@
 
 use glam::Vec2;
 
-use super::{Splats, Workspace, max_edges};
+use super::{Technique, Workspace, max_edges};
 use crate::math::{Coordinates, Rgb, Stream};
 use crate::path::connect::lens_point;
-use crate::path::{Heuristic, dimensions, to_lens, walk_light};
-use crate::scene::Scene;
+use crate::path::{Connection, Heuristic, dimensions, to_lens, walk_light};
+use crate::scene::{RayCounts, Scene};
 
-/// Samples one light subpath.
+/// Samples one light subpath and hands every connection that carries light to `visit`.
 #[inline]
-pub fn sample<C: Coordinates>(
+pub fn connections<C: Coordinates>(
     scene: &Scene,
+    heuristic: Heuristic,
     point: &mut C,
     workspace: &mut Workspace,
-    splats: &mut Splats,
+    mut visit: impl FnMut(Technique, Connection),
 ) {
     let edges = max_edges(scene);
-    let heuristic = Heuristic::default();
     let Workspace { light, rays, .. } = workspace;
     walk_light(
         scene,
@@ -28,13 +28,18 @@ pub fn sample<C: Coordinates>(
         rays,
         light,
     );
-    if edges > 0 {
-        visible_emitter(scene, point, workspace, splats);
+    if edges > 0
+        && let Some(connection) = visible_emitter(scene, point, rays)
+    {
+        visit(Technique { s: 1, t: 1 }, connection);
     }
-    let Workspace { light, rays, .. } = workspace;
     for (i, y) in (1..).zip(&light.vertices) {
         if let Some(connection) = to_lens(scene, heuristic, y, i, point, rays) {
-            splats.add(connection.film, connection.value);
+            let alone = Connection {
+                weight: 1.0,
+                ..connection
+            };
+            visit(Technique { s: i + 1, t: 1 }, alone);
         }
     }
 }
@@ -44,32 +49,27 @@ pub fn sample<C: Coordinates>(
 fn visible_emitter<C: Coordinates>(
     scene: &Scene,
     point: &mut C,
-    workspace: &mut Workspace,
-    splats: &mut Splats,
-) {
+    rays: &mut RayCounts,
+) -> Option<Connection> {
     let [choose, part, u, v] = point.read::<4>(Stream::Connection, dimensions::to_light(0));
     let lens = lens_point(scene, 0, point);
     let from = scene.camera.lens_position(lens);
     let direct = scene
         .emitters
-        .sample_direct(from, choose, part, Vec2::new(u, v));
-    let Some(direct) = direct.filter(|direct| !direct.delta) else {
-        return;
-    };
-    let Some(film) = scene.camera.film_position(direct.direction, lens) else {
-        return;
-    };
+        .sample_direct(from, choose, part, Vec2::new(u, v))
+        .filter(|direct| !direct.delta)?;
+    let film = scene.camera.film_position(direct.direction, lens)?;
     let emission = &direct.emission;
     // The lens measures radiance with importance p_w per steradian.
     let importance = scene.camera.direction_pdf(direct.direction);
     let value = emission.radiance * (importance * direct.geometry / emission.pdf_direct);
-    let Some((near, far)) = scene
+    let (near, far) = scene
         .camera
-        .visible_segment(from, direct.direction, direct.target)
-    else {
-        return;
-    };
-    if value != Rgb::ZERO && scene.geometry.visible(near, far, &mut workspace.rays) {
-        splats.add(Some(film), value);
-    }
+        .visible_segment(from, direct.direction, direct.target)?;
+    let seen = value != Rgb::ZERO && scene.geometry.visible(near, far, rays);
+    seen.then_some(Connection {
+        value,
+        weight: 1.0,
+        film: Some(film),
+    })
 }

@@ -1,4 +1,4 @@
-//! Light that no local path sampler can find (Veach 1997, section 8.3.4 and theorem 8.3).
+//! Light that no local path sampler can find (Veach 1997, section 8.3.4 and theorem 8.3), or hardly.
 //!
 //! A sampler that extends and joins subpaths vertex by vertex finds a path only if two consecutive
 //! events on it are not delta functions. A point or directional light brings such a pair only with a
@@ -7,8 +7,11 @@
 //! through smooth surfaces again, is lost: S D S at a point light. Path tracing joins only camera
 //! vertices to emitters and loses all light that reached a rough surface through smooth ones; light
 //! tracing loses all that is seen through them.
+//!
+//! Where the emitter has an extent, what would be lost is found by camera subpaths that happen to run
+//! into it: rarely, if it is small.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use glam::Vec2;
@@ -17,7 +20,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::Sampler;
 use crate::math::seeds::{self, Purpose};
-use crate::scene::{Ray, RayCounts, Scene, TransportMode};
+use crate::scene::{Ray, RayCounts, Scene, SurfacePoint, TransportMode};
 
 /// Rays that look from each side.
 const PROBES: u64 = 1 << 15;
@@ -25,96 +28,186 @@ const PROBES: u64 = 1 << 15;
 /// Longest chains of smooth surfaces that are followed.
 const LONGEST_CHAIN: usize = 16;
 
-/// Light that a sampler cannot find, on one surface.
+/// How completely light is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Loss {
+    /// No path is ever found.
+    Always,
+    /// Only paths that run into the emitter by chance are found, and none of some 30000 did.
+    Nearly,
+}
+
+/// Light that a sampler cannot find, or hardly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LostLight {
-    /// Where it comes from.
+    /// Where it comes from; empty if it does not matter.
     pub emitter: String,
-    /// The surface that shows too little.
-    pub surface: String,
+    /// The surfaces that show too little.
+    pub surfaces: Vec<String>,
     /// Who cannot find it.
     pub sampler: Sampler,
+    /// Whether never or hardly.
+    pub loss: Loss,
 }
 
 impl fmt::Display for LostLight {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             emitter,
-            surface,
+            surfaces,
             sampler,
+            loss,
         } = self;
-        match sampler {
-            Sampler::Bidirectional => write!(
+        let surface = match &surfaces[..] {
+            [one] => format!("{one} is"),
+            [one, two] => format!("{one} and {two} are"),
+            [one, more @ ..] => format!("{one} and {} more shapes are", more.len()),
+            [] => return Ok(()),
+        };
+        match (sampler, loss) {
+            (Sampler::Bidirectional, Loss::Always) => write!(
                 f,
-                "lost light: {surface} is lit by {emitter} through smooth glass or mirrors and seen \
+                "lost light: {surface} lit by {emitter} through smooth glass or mirrors and seen \
                  through smooth glass or mirrors; no path sampler here can find that light, so the \
                  image is too dark there. A small area light or a little roughness makes it findable"
             ),
-            Sampler::Path => write!(
+            (Sampler::Path, Loss::Always) => write!(
                 f,
-                "lost light: {surface} is lit by {emitter} through smooth glass or mirrors, which \
+                "lost light: {surface} lit by {emitter} through smooth glass or mirrors, which \
                  path tracing cannot find; bdpt and pssmlt can where it is seen directly"
             ),
-            Sampler::Light => write!(
+            (Sampler::Light, _) => write!(
                 f,
-                "lost light: {surface} is seen through smooth glass or mirrors, where light tracing \
+                "lost light: {surface} seen through smooth glass or mirrors, where light tracing \
                  finds nothing; use another integrator"
+            ),
+            (Sampler::Bidirectional, Loss::Nearly) => write!(
+                f,
+                "rare light: {surface} lit by {emitter} through smooth glass or mirrors and seen \
+                 through smooth glass or mirrors; only paths that run into the emitter find that \
+                 light, and none of {PROBES} did. Expect bright dots, or darkness where it should \
+                 be. A larger emitter or a little roughness makes it easier to find"
+            ),
+            (Sampler::Path, Loss::Nearly) => write!(
+                f,
+                "rare light: {surface} lit by {emitter} through smooth glass or mirrors; path \
+                 tracing finds that light only by running into the emitter, and none of {PROBES} \
+                 paths did. bdpt and pssmlt find it where it is seen directly"
             ),
         }
     }
 }
 
-/// Light in `scene` that `sampler` cannot find, by looking along random rays from the emitters and
-/// from the lens. What is so rare that some 30000 rays do not meet it is not reported.
+/// Light in `scene` that `sampler` cannot find, or hardly, by looking along random rays from the
+/// emitters and from the lens. What is so rare that some 30000 rays do not meet it is not reported.
 pub fn lost_light(scene: &Scene, sampler: Sampler) -> Vec<LostLight> {
     let mut rng = seeds::generator(0, Purpose::Probes, 0);
-    let seen: BTreeSet<u32> = (0..PROBES)
-        .filter_map(|_| {
-            let (ray, _) = scene.camera.ray(
-                Vec2::from(rng.random::<[f32; 2]>()),
-                rng.random::<[f32; 2]>().into(),
-            );
-            behind_smooth(scene, ray, TransportMode::Radiance, &mut rng)
-        })
-        .collect();
-    let surface = |shape: u32| scene.geometry.shape_name(shape).to_owned();
+    let seen = Seen::from_camera(scene, &mut rng);
     if sampler == Sampler::Light {
-        let lost = |&shape| LostLight {
+        let lost = LostLight {
             emitter: String::new(),
-            surface: surface(shape),
+            surfaces: names(scene, &seen.behind_smooth),
             sampler,
+            loss: Loss::Always,
         };
-        return seen.iter().map(lost).collect();
+        return if lost.surfaces.is_empty() {
+            vec![]
+        } else {
+            vec![lost]
+        };
     }
-    let mut lost = BTreeSet::new();
+    let mut lost: BTreeMap<(u32, Loss), BTreeSet<u32>> = BTreeMap::new();
     for _ in 0..PROBES {
-        let [choose, part] = rng.random::<[f32; 2]>();
-        let (place, way) = (
-            Vec2::from(rng.random::<[f32; 2]>()),
-            Vec2::from(rng.random::<[f32; 2]>()),
-        );
-        let sample = scene.emitters.sample_emission(choose, part, place, way);
-        let Some(sample) = sample.filter(|sample| sample.delta) else {
+        let Some((emitter, shape, delta)) = lit_through_smooth(scene, &mut rng) else {
             continue;
         };
-        let ray = Ray {
-            origin: sample.origin,
-            direction: sample.direction,
-            t_max: f32::INFINITY,
-        };
-        if let Some(shape) = behind_smooth(scene, ray, TransportMode::Importance, &mut rng)
-            && (sampler == Sampler::Path || seen.contains(&shape))
-        {
-            lost.insert((sample.emitter, shape));
+        let needs_luck = sampler == Sampler::Path || seen.behind_smooth.contains(&shape);
+        // What is at infinity is large: who looks there finds it.
+        let is_small = delta || scene.emitters.shape(emitter).is_some();
+        let lucky = seen.lucky.contains(&(emitter, shape));
+        // Luck was looked for on what the camera sees.
+        let tried = delta || seen.anyhow.contains(&shape);
+        if needs_luck && is_small && tried && !lucky {
+            let loss = if delta { Loss::Always } else { Loss::Nearly };
+            lost.entry((emitter, loss)).or_default().insert(shape);
         }
     }
     lost.into_iter()
-        .map(|(emitter, shape)| LostLight {
+        .map(|((emitter, loss), shapes)| LostLight {
             emitter: emitter_name(scene, emitter),
-            surface: surface(shape),
+            surfaces: names(scene, &shapes),
             sampler,
+            loss,
         })
         .collect()
+}
+
+fn names(scene: &Scene, shapes: &BTreeSet<u32>) -> Vec<String> {
+    let name = |&shape| scene.geometry.shape_name(shape).to_owned();
+    shapes.iter().map(name).collect()
+}
+
+/// What random rays from the lens meet.
+#[derive(Default)]
+struct Seen {
+    /// Shapes that are not smooth.
+    anyhow: BTreeSet<u32>,
+    /// Those of them that are seen through smooth ones.
+    behind_smooth: BTreeSet<u32>,
+    /// Emitters that a path met, scattered by a shape, after smooth surfaces; and the shape.
+    lucky: BTreeSet<(u32, u32)>,
+}
+
+impl Seen {
+    fn from_camera(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Self {
+        let mut seen = Self::default();
+        for _ in 0..PROBES {
+            let film = Vec2::from(rng.random::<[f32; 2]>());
+            let (ray, _) = scene.camera.ray(film, rng.random::<[f32; 2]>().into());
+            let Some(met) = first_rough(scene, ray, TransportMode::Radiance, rng) else {
+                continue;
+            };
+            let shape = met.surface.shape;
+            seen.anyhow.insert(shape);
+            if met.through_smooth {
+                seen.behind_smooth.insert(shape);
+            }
+            let next = scatter(
+                scene,
+                &met.surface,
+                -met.direction,
+                TransportMode::Radiance,
+                rng,
+            );
+            if let Some(ray) = next
+                && let Some(next) = first_rough(scene, ray, TransportMode::Radiance, rng)
+                && let Some(emitter) = scene.emitters.of_shape(next.surface.shape)
+                && next.through_smooth
+            {
+                seen.lucky.insert((emitter, shape));
+            }
+        }
+        seen
+    }
+}
+
+/// Follows a random ray from an emitter. If it meets smooth surfaces and then another: the emitter,
+/// that shape, and whether the emitter has no extent.
+fn lit_through_smooth(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Option<(u32, u32, bool)> {
+    let [choose, part] = rng.random::<[f32; 2]>();
+    let (place, way) = (
+        Vec2::from(rng.random::<[f32; 2]>()),
+        Vec2::from(rng.random::<[f32; 2]>()),
+    );
+    let sample = scene.emitters.sample_emission(choose, part, place, way)?;
+    let ray = Ray {
+        origin: sample.origin,
+        direction: sample.direction,
+        t_max: f32::INFINITY,
+    };
+    let met = first_rough(scene, ray, TransportMode::Importance, rng)?;
+    met.through_smooth
+        .then_some((sample.emitter, met.surface.shape, sample.delta))
 }
 
 /// How messages call an emitter: by its kind and, where there are several, its place in the scene.
@@ -126,32 +219,54 @@ fn emitter_name(scene: &Scene, emitter: u32) -> String {
     }
 }
 
-/// The first shape that is not smooth, if `ray` meets it after at least one that is.
-fn behind_smooth(
+/// Where a ray meets a surface that is not smooth.
+struct Met {
+    surface: SurfacePoint,
+    /// Unit, of the ray on arrival.
+    direction: glam::Vec3A,
+    /// It went through at least one smooth surface, or was mirrored by one.
+    through_smooth: bool,
+}
+
+/// The first surface that is not smooth, if `ray` meets one.
+fn first_rough(
     scene: &Scene,
     mut ray: Ray,
     mode: TransportMode,
     rng: &mut Xoshiro256PlusPlus,
-) -> Option<u32> {
+) -> Option<Met> {
     let mut counts = RayCounts::default();
     for bounce in 0..LONGEST_CHAIN {
         let surface = scene.geometry.intersect(&ray, &mut counts)?;
         let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
-        if bounce > 0 && material.is_connectible() {
-            return Some(surface.shape);
+        if material.is_connectible() {
+            return Some(Met {
+                surface,
+                direction: ray.direction,
+                through_smooth: bounce > 0,
+            });
         }
-        let from = surface.shading.to_local(-ray.direction);
-        let (lobe, u) = (rng.random(), Vec2::from(rng.random::<[f32; 2]>()));
-        let sample = material.sample(&scene.textures, surface.uv, from, mode, lobe, u)?;
-        if !sample.delta {
-            return None;
-        }
-        let direction = surface.shading.to_world(sample.direction);
-        ray = Ray {
-            origin: surface.ray_origin(direction),
-            direction,
-            t_max: f32::INFINITY,
-        };
+        ray = scatter(scene, &surface, -ray.direction, mode, rng)?;
     }
     None
+}
+
+/// A ray scattered at `surface`, `from` (unit) being where the last one came from.
+fn scatter(
+    scene: &Scene,
+    surface: &SurfacePoint,
+    from: glam::Vec3A,
+    mode: TransportMode,
+    rng: &mut Xoshiro256PlusPlus,
+) -> Option<Ray> {
+    let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
+    let from = surface.shading.to_local(from);
+    let (lobe, u) = (rng.random(), Vec2::from(rng.random::<[f32; 2]>()));
+    let sample = material.sample(&scene.textures, surface.uv, from, mode, lobe, u)?;
+    let direction = surface.shading.to_world(sample.direction);
+    Some(Ray {
+        origin: surface.ray_origin(direction),
+        direction,
+        t_max: f32::INFINITY,
+    })
 }

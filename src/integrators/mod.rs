@@ -10,7 +10,7 @@ use glam::Vec2;
 
 use crate::film::Splat;
 use crate::math::{Coordinates, Rgb, Stream, color};
-use crate::path::{Escape, Heuristic, Subpath, Vertex, dimensions};
+use crate::path::{Connection, Escape, Heuristic, Subpath, Vertex, dimensions};
 use crate::scene::{RayCounts, Scene};
 
 pub use bdpt::Technique;
@@ -127,18 +127,41 @@ impl Sampler {
         splats: &mut Splats,
     ) {
         splats.clear();
-        if self != Self::Light {
-            splats.film = Vec2::from(point.read::<2>(Stream::Camera, dimensions::FILM));
-        }
+        splats.film = self.film_position(point);
+        let film = splats.film;
+        self.connections(scene, film, point, workspace, |_, connection| {
+            splats.add(connection.film, connection.value * connection.weight);
+        });
+    }
+
+    /// Where the camera subpath begins on the film, in [0, 1)^2; (0, 0) if there is none.
+    #[inline]
+    pub fn film_position<C: Coordinates>(self, point: &mut C) -> Vec2 {
         match self {
-            Self::Path => path::sample(scene, point, workspace, splats),
-            Self::Light => light::sample(scene, point, workspace, splats),
+            Self::Path | Self::Bidirectional => {
+                Vec2::from(point.read::<2>(Stream::Camera, dimensions::FILM))
+            }
+            Self::Light => Vec2::ZERO,
+        }
+    }
+
+    /// Samples the subpaths that `point` stands for, the camera's from `film` on, and hands every
+    /// connection that carries light to `visit`.
+    #[inline]
+    pub fn connections<C: Coordinates>(
+        self,
+        scene: &Scene,
+        film: Vec2,
+        point: &mut C,
+        workspace: &mut Workspace,
+        visit: impl FnMut(Technique, Connection),
+    ) {
+        let heuristic = Heuristic::default();
+        match self {
+            Self::Path => path::connections(scene, heuristic, film, point, workspace, visit),
+            Self::Light => light::connections(scene, heuristic, point, workspace, visit),
             Self::Bidirectional => {
-                let film = splats.film;
-                let heuristic = Heuristic::default();
-                bdpt::connections(scene, heuristic, film, point, workspace, |_, connection| {
-                    splats.add(connection.film, connection.value * connection.weight);
-                });
+                bdpt::connections(scene, heuristic, film, point, workspace, visit);
             }
         }
     }

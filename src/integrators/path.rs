@@ -2,28 +2,39 @@
 //! against each other (Veach 1997, section 9.2). Shares the surface walk with bidirectional path
 //! tracing but none of its recursive weights, and so checks them.
 
-use super::{Splats, Workspace, max_edges};
+use glam::Vec2;
+
+use super::{Technique, Workspace, max_edges};
 use crate::math::Coordinates;
-use crate::path::{Carried, Heuristic, connect, walk_camera};
+use crate::path::{Carried, Connection, Heuristic, connect, walk_camera};
 use crate::scene::Scene;
 
-/// Samples one camera subpath.
+/// Samples one camera subpath and hands every connection that carries light to `visit`.
 #[inline]
-pub fn sample<C: Coordinates>(
+pub fn connections<C: Coordinates>(
     scene: &Scene,
+    heuristic: Heuristic,
+    film: Vec2,
     point: &mut C,
     workspace: &mut Workspace,
-    splats: &mut Splats,
+    mut visit: impl FnMut(Technique, Connection),
 ) {
     let edges = max_edges(scene);
-    let heuristic = Heuristic::default();
     let Workspace { camera, rays, .. } = workspace;
-    walk_camera(scene, heuristic, splats.film, edges, point, rays, camera);
+    walk_camera(scene, heuristic, film, edges, point, rays, camera);
+    let mut arrive = |s, i, value, weight| {
+        let connection = Connection {
+            value,
+            weight,
+            film: None,
+        };
+        visit(Technique { s, t: i + 1 }, connection);
+    };
     let mut previous = camera.start;
     for (i, z) in (1..).zip(&camera.vertices) {
         if let Some(emission) = scene.emitters.hit(&z.surface, previous) {
             let weight = hit_weight(heuristic, &z.carried, f64::from(emission.pdf_direct), i);
-            splats.add(None, z.throughput * emission.radiance * weight);
+            arrive(0, i, z.throughput * emission.radiance, weight);
         }
         if i < edges
             && let Some(light) = connect::sample_light(scene, z, i, point, rays)
@@ -34,7 +45,7 @@ pub fn sample<C: Coordinates>(
                 light.hit_ratio()
             };
             let weight = (1.0 / (1.0 + heuristic.power(hit))) as f32;
-            splats.add(None, light.value * weight);
+            arrive(1, i, light.value, weight);
         }
         previous = z.surface.position;
     }
@@ -45,7 +56,7 @@ pub fn sample<C: Coordinates>(
     {
         let pdf_direct = f64::from(emission.pdf_direct);
         let weight = hit_weight(heuristic, &escape.carried, pdf_direct, i);
-        splats.add(None, escape.throughput * emission.radiance * weight);
+        arrive(0, i, escape.throughput * emission.radiance, weight);
     }
 }
 

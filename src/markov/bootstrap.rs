@@ -26,11 +26,11 @@ pub struct BootstrapLimits {
 pub struct Bootstrap {
     seed: u64,
     /// I(u) of sample i; 0 where it was not finite.
-    pub densities: Vec<f32>,
+    pub densities: Vec<f64>,
     /// Moments of I: the mean is b.
     pub moments: Moments,
-    /// Samples whose density was not finite.
-    pub non_finite: u64,
+    /// Indices of the samples whose density was not finite.
+    pub non_finite: Vec<u64>,
 }
 
 impl Bootstrap {
@@ -48,7 +48,7 @@ impl Bootstrap {
             seed,
             densities: Vec::new(),
             moments: Moments::default(),
-            non_finite: 0,
+            non_finite: Vec::new(),
         };
         while !bootstrap.is_enough(limits) && !interrupted(bootstrap.moments.count) {
             let first = bootstrap.moments.count;
@@ -93,16 +93,25 @@ impl Bootstrap {
             .collect();
         for density in densities.into_iter().flatten() {
             let finite = density.is_finite();
-            self.non_finite += u64::from(!finite);
+            if !finite {
+                self.non_finite.push(self.moments.count);
+            }
             let density = if finite { density } else { 0.0 };
             self.moments.add(density);
-            self.densities.push(density as f32);
+            self.densities.push(density);
         }
     }
 
     /// The generator that makes sample `i` again.
     pub fn generator(&self, i: usize) -> rand_xoshiro::Xoshiro256PlusPlus {
         seeds::generator(self.seed, seeds::Purpose::Bootstrap, i as u64)
+    }
+
+    /// Moments of I over the samples of part `i` of `parts`, which are as equal in size as can be.
+    pub fn part(&self, i: usize, parts: usize) -> Moments {
+        let bound = |i: usize| self.densities.len() * i / parts;
+        let densities = &self.densities[bound(i)..bound(i + 1)];
+        densities.iter().copied().collect()
     }
 
     /// Indices of the samples that `chains` chains start from, in proportion to their density; empty
@@ -116,8 +125,8 @@ impl Bootstrap {
 /// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices, index i
 /// expected n w_i / sum(w) times and never off by one or more; `u` in [0, 1) is the only random
 /// number. Empty if all weights are 0.
-pub fn systematic_resample(weights: &[f32], n: usize, u: f64) -> Vec<usize> {
-    let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+pub fn systematic_resample(weights: &[f64], n: usize, u: f64) -> Vec<usize> {
+    let total: f64 = weights.iter().sum();
     if total <= 0.0 {
         return Vec::new();
     }
@@ -125,7 +134,7 @@ pub fn systematic_resample(weights: &[f32], n: usize, u: f64) -> Vec<usize> {
     let mut sum = 0.0;
     let mut last_positive = 0;
     for (i, &weight) in weights.iter().enumerate() {
-        sum += f64::from(weight) / total * n as f64;
+        sum += weight / total * n as f64;
         if weight > 0.0 {
             last_positive = i;
         }

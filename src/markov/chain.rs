@@ -47,12 +47,28 @@ pub struct ChainCounters {
     pub longest_rejection_run: u64,
     /// Proposals whose density was not finite.
     pub non_finite: u64,
+    /// The steps, counted from 1, that proposed the first of them.
+    pub non_finite_steps: Vec<u64>,
     /// Densities met by large steps: independent uniform samples of I, whose mean is b.
     pub large_densities: Moments,
 }
 
 impl ChainCounters {
-    /// Adds what happened to another chain.
+    /// Most steps in `non_finite_steps`.
+    const MOST_STEPS: usize = 16;
+
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.large[0] + self.small[0]
+    }
+
+    /// Steps that were accepted.
+    pub fn accepted(&self) -> u64 {
+        self.large[1] + self.small[1]
+    }
+
+    /// Adds what happened to another chain, but for its `non_finite_steps`, which mean nothing
+    /// outside of that chain.
     pub fn merge(&mut self, other: &Self) {
         for i in 0..2 {
             self.large[i] += other.large[i];
@@ -174,7 +190,12 @@ impl<T: Default> Chain<T> {
         };
         kind[0] += 1;
         kind[1] += u64::from(accepted);
-        counters.non_finite += u64::from(!density.is_finite());
+        if !density.is_finite() {
+            counters.non_finite += 1;
+            if counters.non_finite_steps.len() < ChainCounters::MOST_STEPS {
+                counters.non_finite_steps.push(counters.steps());
+            }
+        }
         if large {
             counters
                 .large_densities

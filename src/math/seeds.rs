@@ -33,6 +33,15 @@ pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus 
     Xoshiro256PlusPlus::seed_from_u64(mix(mix(key).wrapping_add(index.wrapping_mul(GOLDEN))))
 }
 
+/// The generator of one chain, as [`chain_generators`] gives it.
+pub fn chain_generator(seed: u64, chain: u64) -> Xoshiro256PlusPlus {
+    let mut generator = generator(seed, Purpose::Chains, 0);
+    for _ in 0..chain {
+        generator.jump();
+    }
+    generator
+}
+
 /// One generator per chain, each 2^128 numbers apart in a single sequence.
 pub fn chain_generators(seed: u64, chains: usize) -> Vec<Xoshiro256PlusPlus> {
     let mut generator = generator(seed, Purpose::Chains, 0);
@@ -58,7 +67,8 @@ mod tests {
                     assert!(first.insert(generator(seed, purpose, index).next_u64()));
                 }
             }
-            for mut chain in chain_generators(seed, 100) {
+            for (i, mut chain) in (0..).zip(chain_generators(seed, 100)) {
+                assert_eq!(chain, chain_generator(seed, i));
                 assert!(first.insert(chain.next_u64()));
             }
         }

@@ -9,14 +9,19 @@ pub(super) struct Clock<'a> {
     start: Instant,
     /// Seconds since `start` at which the counted work began.
     began: f64,
-    /// Total number of samples, or the second at which to stop.
     limit: Limit,
+    /// The part of the work that the error of the image says is done.
+    noted: f64,
     observer: &'a dyn Observer,
 }
 
 enum Limit {
+    /// Total number of samples.
     Samples(u64),
+    /// The second at which to stop.
     Seconds(f64),
+    /// Nothing but what is noted.
+    None,
 }
 
 impl<'a> Clock<'a> {
@@ -25,20 +30,28 @@ impl<'a> Clock<'a> {
         let limit = match budget {
             Budget::SamplesPerPixel(n) => Limit::Samples(n.saturating_mul(pixels)),
             Budget::Seconds(seconds) => Limit::Seconds(seconds),
+            Budget::Unlimited => Limit::None,
         };
         Self {
             start,
             began: start.elapsed().as_secs_f64(),
             limit,
+            noted: 0.0,
             observer,
         }
+    }
+
+    /// Takes note that this part of the work seems to be done, whatever the budget is; all is over
+    /// when it is 1.
+    pub fn note(&mut self, fraction: f64) {
+        self.noted = fraction;
     }
 
     /// Number of samples of the whole work, unless time decides.
     pub fn total_samples(&self) -> Option<u64> {
         match self.limit {
             Limit::Samples(n) => Some(n),
-            Limit::Seconds(_) => None,
+            Limit::Seconds(_) | Limit::None => None,
         }
     }
 
@@ -47,7 +60,7 @@ impl<'a> Clock<'a> {
     /// samples the answer does not depend on time.
     pub fn block(&self, done: u64, block: u64) -> u64 {
         match self.limit {
-            Limit::Samples(_) => block,
+            Limit::Samples(_) | Limit::None => block,
             Limit::Seconds(seconds) => {
                 if done == 0 {
                     return (block / 64).max(1);
@@ -63,25 +76,27 @@ impl<'a> Clock<'a> {
     /// Tells the observer that `done` samples are done; true if that is all there is time for, or if
     /// the observer wants it to be.
     pub fn is_over(&self, done: u64) -> bool {
-        let elapsed = self.elapsed();
-        let (fraction, left) = match self.limit {
-            Limit::Samples(n) => {
-                let per_sample = self.working_seconds() / done.max(1) as f64;
-                (
-                    done as f64 / n.max(1) as f64,
-                    (n - done) as f64 * per_sample,
-                )
-            }
-            Limit::Seconds(seconds) => (elapsed / seconds, seconds - elapsed),
+        let fraction = match self.limit {
+            Limit::Samples(n) => done as f64 / n.max(1) as f64,
+            Limit::Seconds(seconds) => self.elapsed() / seconds,
+            Limit::None => 0.0,
         };
+        // Late or not: a render without a sample would be a black image.
+        let fraction = fraction
+            .max(self.noted)
+            .min(if done > 0 { 1.0 } else { 0.999 });
+        let is_over = match self.limit {
+            Limit::Samples(n) => done >= n || self.noted >= 1.0,
+            Limit::Seconds(_) | Limit::None => fraction >= 1.0,
+        };
+        let left = match self.limit {
+            Limit::Seconds(seconds) if self.noted == 0.0 => seconds - self.elapsed(),
+            _ => self.working_seconds() * (1.0 / fraction - 1.0),
+        };
+        let known = done > 0 && left.is_finite();
         self.observer
-            .progress(fraction.min(1.0), (done > 0).then_some(left.max(0.0)));
-        let over = match self.limit {
-            Limit::Samples(n) => done >= n,
-            // Late or not: a render without a sample would be a black image.
-            Limit::Seconds(_) => fraction >= 1.0 && done > 0,
-        };
-        over || self.observer.interrupted()
+            .progress(fraction, known.then_some(left.max(0.0)));
+        is_over || self.observer.interrupted()
     }
 
     /// Seconds since the start of the render.

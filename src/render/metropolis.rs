@@ -16,11 +16,16 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::clock::Clock;
-use super::{Budget, MetropolisStatistics, Observer, Rendering, Settings, Statistics};
-use crate::film::{Film, Image, Splat, SplatLog};
-use crate::integrators::{Sampler, Splats, Workspace};
-use crate::markov::{Bootstrap, BootstrapLimits, Chain, ChainCounters, Sample, SmallStep, Target};
-use crate::math::{Coordinates, seeds};
+use super::error::{ErrorEstimate, GroupWork, Groups, Target};
+use super::seat::{LightTarget, Seat, Weighing};
+use super::warnings;
+use super::{
+    Budget, MetropolisStatistics, NonFinite, Observer, Origin, Rendering, Settings, Statistics,
+};
+use crate::film::{Image, SplatFilm, SplatLog};
+use crate::integrators::Splats;
+use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
+use crate::math::seeds;
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
 
@@ -39,46 +44,6 @@ const BOOTSTRAP_ERROR: f64 = 0.01;
 /// Bounds on the size of a bootstrap that the user left to us.
 const BOOTSTRAP_SAMPLES: [u64; 2] = [1 << 17, 1 << 22];
 
-/// The image is as uncertain in overall brightness as b: beyond this the user is told.
-const WORTH_A_WARNING: f64 = 0.02;
-
-/// A path sampler as the target of Markov chains: I(u) is the luminance of all splats.
-pub struct LightTarget<'a> {
-    scene: &'a Scene,
-    sampler: Sampler,
-    workspace: Workspace,
-}
-
-impl<'a> LightTarget<'a> {
-    /// The light of `scene` as `sampler` finds it.
-    pub fn new(scene: &'a Scene, sampler: Sampler) -> Self {
-        Self {
-            scene,
-            sampler,
-            workspace: Workspace::default(),
-        }
-    }
-}
-
-impl Target for LightTarget<'_> {
-    type Contribution = Splats;
-
-    #[inline]
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Splats) -> f64 {
-        self.sampler
-            .sample(self.scene, point, &mut self.workspace, out);
-        out.luminance()
-    }
-}
-
-/// What one chain does in one turn, kept apart so that turns can be taken in parallel.
-struct Seat<'a> {
-    target: LightTarget<'a>,
-    /// Splats with chain weights, and with large-step weights.
-    chain_log: SplatLog,
-    large_log: SplatLog,
-}
-
 /// Renders by Metropolis.
 pub(super) fn render(scene: &Scene, settings: &Settings, observer: &dyn Observer) -> Rendering {
     let start = Instant::now();
@@ -87,8 +52,8 @@ pub(super) fn render(scene: &Scene, settings: &Settings, observer: &dyn Observer
     let bootstrap = driver.bootstrap(start, observer);
     observer.phase("mutating");
     driver.start_chains(&bootstrap);
-    let clock = Clock::new(start, settings.budget, driver.pixels, observer);
-    driver.mutate(&clock, &bootstrap);
+    let mut clock = Clock::new(start, settings.budget, driver.pixels, observer);
+    driver.mutate(&mut clock, &bootstrap);
     driver.finish(&bootstrap, &clock, observer)
 }
 
@@ -96,9 +61,14 @@ struct Driver<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
     pixels: u64,
+    /// Bootstrap samples that the chains start from.
+    starts: Vec<usize>,
     chains: Vec<Chain<Splats>>,
-    chain_film: Film,
-    large_film: Film,
+    chain_film: SplatFilm,
+    large_film: SplatFilm,
+    /// There if the error is wanted.
+    groups: Option<Groups>,
+    seats: Vec<Seat<'a>>,
     rays: RayCounts,
     done: u64,
 }
@@ -106,14 +76,17 @@ struct Driver<'a> {
 impl<'a> Driver<'a> {
     fn new(scene: &'a Scene, settings: &'a Settings) -> Self {
         let [width, height] = [scene.film.width, scene.film.height];
-        let film = Film::new(width, height, scene.film.filter);
+        let film = SplatFilm::new(width, height, scene.film.filter);
         Self {
             scene,
             settings,
             pixels: u64::from(width) * u64::from(height),
+            starts: Vec::new(),
             chains: Vec::new(),
             chain_film: film.clone(),
             large_film: film,
+            groups: None,
+            seats: Vec::new(),
             rays: RayCounts::default(),
             done: 0,
         }
@@ -131,7 +104,7 @@ impl<'a> Driver<'a> {
                 at_most: n,
                 relative_error: 0.0,
             },
-            (None, Budget::Seconds(_)) => BootstrapLimits {
+            (None, Budget::Seconds(_) | Budget::Unlimited) => BootstrapLimits {
                 at_least: least,
                 at_most: most,
                 relative_error: BOOTSTRAP_ERROR,
@@ -154,7 +127,7 @@ impl<'a> Driver<'a> {
         let deadline = match (self.settings.budget, self.settings.bootstrap) {
             (Budget::Seconds(seconds), None) => 0.1 * seconds,
             (Budget::Seconds(seconds), Some(_)) => 0.5 * seconds,
-            (Budget::SamplesPerPixel(_), _) => f64::INFINITY,
+            (Budget::SamplesPerPixel(_) | Budget::Unlimited, _) => f64::INFINITY,
         };
         let rays = Mutex::new(RayCounts::default());
         let bootstrap = Bootstrap::run(
@@ -163,7 +136,7 @@ impl<'a> Driver<'a> {
             || self.target(),
             |target| {
                 if let Ok(mut rays) = rays.lock() {
-                    *rays += target.workspace.rays;
+                    *rays += target.rays();
                 }
             },
             |done| {
@@ -177,12 +150,13 @@ impl<'a> Driver<'a> {
 
     /// Starts every chain from a bootstrap sample; none, if no sample found light.
     fn start_chains(&mut self, bootstrap: &Bootstrap) {
-        let starts = bootstrap.starts(self.settings.chains as usize);
-        let generators = seeds::chain_generators(self.settings.seed, starts.len());
-        self.chains = starts
-            .into_par_iter()
+        self.starts = bootstrap.starts(self.settings.chains as usize);
+        let generators = seeds::chain_generators(self.settings.seed, self.starts.len());
+        self.chains = self
+            .starts
+            .par_iter()
             .zip(generators)
-            .map(|(start, generator)| {
+            .map(|(&start, generator)| {
                 Chain::start(
                     &mut self.target(),
                     bootstrap.generator(start),
@@ -194,14 +168,17 @@ impl<'a> Driver<'a> {
             .collect();
     }
 
-    /// Lets chains take turns until the budget is spent, then credits every state with the weight
-    /// that it has gathered.
-    fn mutate(&mut self, clock: &Clock, bootstrap: &Bootstrap) {
+    /// Lets chains take turns until the budget is spent or the error is small enough, then credits
+    /// every state with the weight that it has gathered.
+    fn mutate(&mut self, clock: &mut Clock, bootstrap: &Bootstrap) {
         let weighing = Weighing {
             b: bootstrap.moments.mean,
             large_step_probability: f64::from(self.settings.large_step_probability),
         };
-        let mut seats: Vec<Seat> = Vec::new();
+        if self.settings.wants_error() {
+            self.groups = Some(Groups::new(self.chains.len(), &self.chain_film));
+        }
+        let mut target = Target::new(self.settings, self.pixels);
         let mut next_chain = 0;
         while !self.chains.is_empty() && !clock.is_over(self.done) {
             let block = clock.block(self.done, BLOCK);
@@ -215,8 +192,8 @@ impl<'a> Driver<'a> {
                 chains.end
             };
             let total = clock.total_samples();
-            self.in_seats(chains, &mut seats, |i, chain, chains, seat| {
-                let made = chain.counters.large[0] + chain.counters.small[0];
+            self.in_seats(chains, |i, chain, chains, seat| {
+                let made = chain.counters.steps();
                 let steps = total.map_or(turn, |total| turn.min(quota(total, chains, i) - made));
                 for _ in 0..steps {
                     let retired = chain.step(&mut seat.target);
@@ -224,20 +201,29 @@ impl<'a> Driver<'a> {
                 }
                 steps
             });
+            if target.is_due(self.done) {
+                self.credit(&weighing);
+                let image = self.develop(self.uniform(bootstrap).mean, weighing.b);
+                if let Some(estimate) = self.error(&image, bootstrap) {
+                    clock.note(target.look(self.done, &estimate));
+                }
+            }
         }
+        self.credit(&weighing);
+        self.rays += self.seats.iter().map(|seat| seat.target.rays()).sum();
+    }
+
+    /// Credits every chain's state with the weight that it has gathered.
+    fn credit(&mut self, weighing: &Weighing) {
         let block = TURN as usize;
         for first in (0..self.chains.len()).step_by(block) {
             let chains = first..(first + block).min(self.chains.len());
-            self.in_seats(chains, &mut seats, |_, chain, _, seat| {
+            self.in_seats(chains, |_, chain, _, seat| {
                 weighing.log(chain.current(), seat);
                 chain.take_weights();
                 0
             });
         }
-        self.rays += seats
-            .iter()
-            .map(|seat| seat.target.workspace.rays)
-            .sum::<RayCounts>();
     }
 
     /// Gives each of `chains` a seat in which to `act`, in parallel, and adds what they log to the
@@ -246,20 +232,15 @@ impl<'a> Driver<'a> {
     fn in_seats(
         &mut self,
         chains: std::ops::Range<usize>,
-        seats: &mut Vec<Seat<'a>>,
         act: impl Fn(u64, &mut Chain<Splats>, u64, &mut Seat<'a>) -> u64 + Sync,
     ) {
-        while seats.len() < chains.len() {
-            seats.push(Seat {
-                target: self.target(),
-                chain_log: SplatLog::new(),
-                large_log: SplatLog::new(),
-            });
+        while self.seats.len() < chains.len() {
+            self.seats.push(Seat::new(self.target()));
         }
-        let seats = &mut seats[..chains.len()];
+        let seats = &mut self.seats[..chains.len()];
         let count = self.chains.len() as u64;
         let first = chains.start;
-        self.done += self.chains[chains]
+        self.done += self.chains[chains.clone()]
             .par_iter_mut()
             .zip(seats.par_iter_mut())
             .enumerate()
@@ -273,25 +254,65 @@ impl<'a> Driver<'a> {
         self.chain_film.apply(&logs);
         let logs: Vec<&SplatLog> = seats.iter().map(|seat| &seat.large_log).collect();
         self.large_film.apply(&logs);
+        if let Some(groups) = &mut self.groups {
+            groups.apply(self.chains.len(), chains, seats);
+        }
+    }
+
+    /// Densities of all uniform samples: their mean is b.
+    fn uniform(&self, bootstrap: &Bootstrap) -> Moments {
+        let chains = self.chains.iter();
+        chains.fold(bootstrap.moments, |moments, chain| {
+            moments.merge(&chain.counters.large_densities)
+        })
+    }
+
+    /// The error of `image`, if it is wanted and known.
+    fn error(&self, image: &Image, bootstrap: &Bootstrap) -> Option<ErrorEstimate> {
+        let groups = self.groups.as_ref()?;
+        let group_work = |g| {
+            let chains = &self.chains[groups.chains_of(g, self.chains.len())];
+            let uniform = bootstrap.part(g, groups.len());
+            GroupWork {
+                mutations: chains.iter().map(|chain| chain.counters.steps()).sum(),
+                uniform: chains.iter().fold(uniform, |uniform, chain| {
+                    uniform.merge(&chain.counters.large_densities)
+                }),
+            }
+        };
+        let work: Vec<GroupWork> = (0..groups.len()).map(group_work).collect();
+        let per_mutation = 1.0 / self.done.max(1) as f64;
+        groups.estimate(image, &work, bootstrap.moments.mean, |pixel| {
+            self.chain_film.sum(pixel).map(|sum| sum * per_mutation)
+        })
     }
 
     fn finish(self, bootstrap: &Bootstrap, clock: &Clock, observer: &dyn Observer) -> Rendering {
-        let mut counters = ChainCounters::default();
-        self.chains
-            .iter()
-            .for_each(|chain| counters.merge(&chain.counters));
-        let uniform = bootstrap.moments.merge(&counters.large_densities);
+        let uniform = self.uniform(bootstrap);
         let image = self.develop(uniform.mean, bootstrap.moments.mean);
+        let error = self.error(&image, bootstrap);
+        let non_finite = self.non_finite(bootstrap);
         let bootstrap_seconds = clock.began();
         let seconds = [clock.elapsed(), clock.elapsed() - bootstrap_seconds];
-        let non_finite = bootstrap.non_finite + counters.non_finite;
         let metropolis = MetropolisStatistics::new(
             self.settings,
-            self.chains.len() as u64,
             (bootstrap.moments.count, bootstrap_seconds),
             &uniform,
-            &counters,
+            self.chains.iter().map(|chain| &chain.counters),
         );
+        let unfinished = clock.total_samples().is_none_or(|n| self.done < n);
+        let interrupted = observer.interrupted() && unfinished;
+        let warnings = match (interrupted, self.done) {
+            (true, 0) => Vec::new(),
+            _ => warnings::non_finite(&non_finite)
+                .into_iter()
+                .chain(warnings::normalisation(&uniform, bootstrap))
+                .chain(warnings::no_mutation(self.done, self.chains.len()))
+                .chain(warnings::stuck(metropolis.stuck_chains, metropolis.chains))
+                .chain(warnings::error(self.settings, error.as_ref()))
+                .chain(warnings::single(error.as_ref()))
+                .collect(),
+        };
         let mut statistics = Statistics::new(
             self.scene,
             self.settings,
@@ -301,96 +322,52 @@ impl<'a> Driver<'a> {
             non_finite,
         );
         statistics.metropolis = Some(metropolis);
-        let unfinished = clock.total_samples().is_none_or(|n| self.done < n);
-        let interrupted = observer.interrupted() && unfinished;
-        let warnings = match (interrupted, self.done) {
-            (true, 0) => Vec::new(),
-            _ => warnings(&uniform, bootstrap, non_finite),
-        };
         Rendering {
             image,
+            error,
             statistics,
             interrupted,
             warnings,
         }
     }
 
+    /// What the target gave that was not finite, and where.
+    fn non_finite(&self, bootstrap: &Bootstrap) -> NonFinite {
+        let mut non_finite = NonFinite::default();
+        for &sample in &bootstrap.non_finite {
+            non_finite.add(1, Origin::Bootstrap { sample });
+        }
+        for (i, (chain, &start)) in (0..).zip(self.chains.iter().zip(&self.starts)) {
+            let origin = |&step: &u64| Origin::Mutation {
+                chain: i,
+                start: start as u64,
+                step,
+            };
+            let counters = &chain.counters;
+            let origins = counters.non_finite_steps.iter().map(origin);
+            non_finite.extend(counters.non_finite, origins);
+        }
+        non_finite
+    }
+
     /// The image, with `b` known now and `b_0` used in the weights.
     fn develop(&self, b: f64, b_0: f64) -> Image {
         let per_mutation = 1.0 / self.done.max(1) as f64;
         let refinement = if b_0 > 0.0 { b / b_0 } else { 0.0 };
-        let mut image = self.chain_film.develop(per_mutation * refinement);
-        let large = self.large_film.develop(per_mutation);
-        for (pixel, more) in image.pixels.iter_mut().zip(&large.pixels) {
-            *pixel = std::array::from_fn(|c| pixel[c] + more[c]);
+        let [width, height] = self.chain_film.size();
+        let pixel = |i| {
+            let (chain, large) = (self.chain_film.sum(i), self.large_film.sum(i));
+            std::array::from_fn(|c| ((chain[c] * refinement + large[c]) * per_mutation) as f32)
+        };
+        Image {
+            width,
+            height,
+            pixels: (0..width * height).map(pixel).collect(),
         }
-        image
     }
 }
 
 /// Mutations that chain `i` of `chains` makes of `total`: as even as whole numbers allow.
 fn quota(total: u64, chains: u64, i: u64) -> u64 {
     total / chains + u64::from(i < total % chains)
-}
-
-/// The denominator of the weights.
-#[derive(Clone, Copy)]
-struct Weighing {
-    /// b_0.
-    b: f64,
-    /// p.
-    large_step_probability: f64,
-}
-
-impl Weighing {
-    /// Logs a sample with the weight that it has gathered.
-    #[inline]
-    fn log(&self, sample: &Sample<Splats>, seat: &mut Seat) {
-        if !sample.density.is_finite() || sample.density <= 0.0 {
-            return;
-        }
-        let per_weight = 1.0 / (sample.density / self.b + self.large_step_probability);
-        let chain = (sample.weights.chain * per_weight) as f32;
-        let large = (sample.weights.large * per_weight) as f32;
-        for Splat { position, value } in sample.contribution.iter() {
-            if chain > 0.0 {
-                seat.chain_log.push(Splat {
-                    position,
-                    value: value * chain,
-                });
-            }
-            if large > 0.0 {
-                seat.large_log.push(Splat {
-                    position,
-                    value: value * large,
-                });
-            }
-        }
-    }
-}
-
-/// What the user should know about the image.
-fn warnings(uniform: &Moments, bootstrap: &Bootstrap, non_finite: u64) -> Vec<String> {
-    let mut warnings: Vec<String> = super::non_finite_warning(non_finite).into_iter().collect();
-    let relative_error = uniform.standard_error() / uniform.mean;
-    if bootstrap.moments.mean <= 0.0 {
-        warnings.push(format!(
-            "none of {} bootstrap samples found light: the image is black. If the scene is not \
-             meant to be black, give more samples with --bootstrap",
-            bootstrap.moments.count
-        ));
-    } else if !relative_error.is_finite() {
-        warnings.push(
-            "b is not known, and neither is the brightness of the image: give more samples with \
-             --bootstrap"
-                .into(),
-        );
-    } else if relative_error > WORTH_A_WARNING {
-        warnings.push(format!(
-            "b is known to {:.1}% only (one standard error), and so is the brightness of the \
-             image: render for longer, or give more samples with --bootstrap",
-            100.0 * relative_error
-        ));
-    }
-    warnings
 }

@@ -2,15 +2,23 @@
 //! to a budget, and add what comes out to a film.
 
 pub mod clock;
+pub mod error;
 pub mod metropolis;
 pub mod monte_carlo;
+pub mod origin;
+pub mod replay;
+pub mod seat;
 pub mod settings;
 pub mod statistics;
+mod warnings;
 
 use crate::film::Image;
 use crate::scene::Scene;
 
-pub use metropolis::LightTarget;
+pub use error::ErrorEstimate;
+pub use origin::{NonFinite, Origin};
+pub use replay::{Replay, ReplayError};
+pub use seat::LightTarget;
 pub use settings::{Budget, Integrator, Settings};
 pub use statistics::{MetropolisStatistics, Statistics, StepStatistics};
 
@@ -41,6 +49,8 @@ impl Observer for Unobserved {
 pub struct Rendering {
     /// Linear RGB radiance, W/(m^2 sr) in the units of the scene.
     pub image: Image,
+    /// Its error, if it was asked for and could be estimated.
+    pub error: Option<ErrorEstimate>,
     /// What it took.
     pub statistics: Statistics,
     /// The observer stopped it before its budget was spent.
@@ -80,11 +90,4 @@ pub fn render(
             .push("the image is black: no path has found light".into());
     }
     Ok(rendering)
-}
-
-/// Tells of contributions that were left out.
-fn non_finite_warning(count: u64) -> Option<String> {
-    (count > 0).then(|| {
-        format!("{count} contributions were NaN, infinite or negative and have been left out")
-    })
 }

@@ -59,6 +59,8 @@ pub enum Budget {
     SamplesPerPixel(u64),
     /// Seconds of rendering, with neither loading nor building counted.
     Seconds(f64),
+    /// Until the target error is reached or the observer interrupts.
+    Unlimited,
 }
 
 /// Everything that decides the image, besides the scene.
@@ -68,6 +70,11 @@ pub struct Settings {
     pub integrator: Integrator,
     /// How long.
     pub budget: Budget,
+    /// Estimate the standard error of every pixel.
+    pub error: bool,
+    /// Stop, before the budget is spent, as soon as the estimated relMSE
+    /// ([`crate::statistics::relative_mse`]) is this or less.
+    pub target_error: Option<f64>,
     /// The same seed gives the same image.
     pub seed: u64,
     /// Number of threads; `None` for one per core.
@@ -86,12 +93,21 @@ impl Settings {
         Self {
             integrator,
             budget: Budget::SamplesPerPixel(integrator.default_samples_per_pixel()),
+            error: false,
+            target_error: None,
             seed: 0,
             threads: None,
             large_step_probability: 0.3,
             chains: 1024,
             bootstrap: None,
         }
+    }
+}
+
+impl Settings {
+    /// True if standard errors are to be estimated, for their own sake or for a target.
+    pub fn wants_error(&self) -> bool {
+        self.error || self.target_error.is_some()
     }
 }
 

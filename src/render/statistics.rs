@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Integrator, Settings};
+use super::{Integrator, NonFinite, Origin, Settings, warnings};
 use crate::markov::ChainCounters;
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
@@ -32,6 +32,9 @@ pub struct Statistics {
     pub rays_per_second: f64,
     /// Contributions (of Metropolis: proposals) that were NaN, infinite or negative and left out.
     pub non_finite: u64,
+    /// Where the first of them came from: what `metrolight replay` takes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub non_finite_origins: Vec<Origin>,
     /// For Metropolis integrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metropolis: Option<MetropolisStatistics>,
@@ -58,6 +61,8 @@ pub struct MetropolisStatistics {
     pub small_steps: StepStatistics,
     /// Longest run of rejections of any chain.
     pub longest_rejection_run: u64,
+    /// Chains that have been in one state for more than half of their mutations.
+    pub stuck_chains: u64,
 }
 
 /// Figures of one kind of step.
@@ -93,7 +98,7 @@ impl Statistics {
         [render_seconds, sampling_seconds]: [f64; 2],
         samples: u64,
         rays: RayCounts,
-        non_finite: u64,
+        non_finite: NonFinite,
     ) -> Self {
         let per_second = |n: u64, seconds: f64| n as f64 / seconds.max(1e-9);
         Self {
@@ -107,32 +112,40 @@ impl Statistics {
             closest_hit_rays: rays.closest_hit,
             shadow_rays: rays.shadow,
             rays_per_second: per_second(rays.closest_hit + rays.shadow, render_seconds),
-            non_finite,
+            non_finite: non_finite.count,
+            non_finite_origins: non_finite.origins,
             metropolis: None,
         }
     }
 }
 
 impl MetropolisStatistics {
-    /// From the moments of I over all uniform samples and the sum of all chains' counters.
-    pub(super) fn new(
+    /// From the moments of I over all uniform samples and all chains' counters.
+    pub(super) fn new<'a>(
         settings: &Settings,
-        chains: u64,
         (bootstrap_samples, bootstrap_seconds): (u64, f64),
         uniform: &Moments,
-        counters: &ChainCounters,
+        chains: impl Iterator<Item = &'a ChainCounters>,
     ) -> Self {
+        let mut counters = ChainCounters::default();
+        let (mut count, mut stuck_chains) = (0, 0);
+        for chain in chains {
+            counters.merge(chain);
+            count += 1;
+            stuck_chains += u64::from(warnings::is_stuck(chain));
+        }
         let error = uniform.standard_error();
         Self {
             b: uniform.mean,
             b_standard_error: error.is_finite().then_some(error),
-            chains,
+            chains: count,
             bootstrap_samples,
             bootstrap_seconds,
             large_step_probability: settings.large_step_probability,
             large_steps: StepStatistics::new(counters.large),
             small_steps: StepStatistics::new(counters.small),
             longest_rejection_run: counters.longest_rejection_run,
+            stuck_chains,
         }
     }
 }

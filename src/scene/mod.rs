@@ -59,11 +59,15 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A point in scene units, in the units of the scene file.
+    pub fn to_world(&self, point: glam::Vec3A) -> DVec3 {
+        point.as_dvec3() * self.unit + self.center
+    }
+
     /// Lower and upper corner of the box around all surfaces, in the units of the scene file; `None`
     /// without surfaces.
     pub fn world_bounds(&self) -> Option<(DVec3, DVec3)> {
-        let to_world = |p: glam::Vec3A| p.as_dvec3() * self.unit + self.center;
         let (min, max) = self.geometry.bounds()?;
-        Some((to_world(min), to_world(max)))
+        Some((self.to_world(min), self.to_world(max)))
     }
 }

@@ -103,6 +103,20 @@ pub enum Material {
 }
 
 impl Material {
+    /// What scene files call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Diffuse { .. } => "diffuse",
+            Self::Conductor { .. } => "conductor",
+            Self::RoughConductor { .. } => "roughconductor",
+            Self::Dielectric { .. } => "dielectric",
+            Self::RoughDielectric { .. } => "roughdielectric",
+            Self::Plastic(_) => "plastic",
+            Self::RoughPlastic(_) => "roughplastic",
+            Self::TwoSided { .. } => "twosided",
+        }
+    }
+
     /// Smooth plastic: `eta` inside over outside; `nonlinear` lets light that is reflected inside
     /// again take on colour each time; the reflectances are indices into `textures`.
     pub fn plastic(

@@ -1,0 +1,119 @@
+"""Makes the tables and charts of docs/ from what the tests have measured.
+
+    rm -rf target/figures
+    METROLIGHT_FIGURES=target/figures cargo test --release
+    METROLIGHT_FIGURES=target/figures cargo test --release -- --ignored
+    pip install -r docs/requirements.txt
+    python3 docs/make_figures.py
+
+Every row that a test recorded stands in target/figures/TABLE.jsonl. A table goes into the document
+between the lines `<!-- TABLE -->` and `<!-- end -->`; charts go to docs/images/.
+"""
+
+import json
+import re
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+
+HERE = Path(__file__).resolve().parent
+FIGURES = HERE.parent / "target" / "figures"
+
+COLOURS = {"path": "#0072b2", "bdpt": "#d55e00", "pssmlt": "#009e73"}
+
+SWEEPS = {
+    "lamp": ("A lamp in a room", "area of the lamp"),
+    "lamp-over-glass": ("A lamp over a glass ball", "area of the lamp"),
+    "lamp-behind-two-panes": ("A lamp behind two panes", "area of the lamp"),
+    "roughness": ("A ball of rough glass", "roughness alpha (left end: smooth)"),
+    "slit": ("Light through a slit", "width of the slit"),
+}
+
+
+def rows(table):
+    path = FIGURES / f"{table}.jsonl"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [json.loads(line) for line in lines]
+
+
+def markdown(header, cells):
+    """A Markdown table; cells hold no line breaks and no bars."""
+    clean = [[str(cell).replace("|", "\\|").replace("\n", " ") for cell in row] for row in cells]
+    lines = [header, ["---"] * len(header), *clean]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def insert(document, name, text):
+    """Replaces what stands between the marks of `name` in a document."""
+    path = HERE / document
+    old = path.read_text(encoding="utf-8")
+    mark = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- end -->)", re.DOTALL)
+    new, count = mark.subn(lambda match: f"{match[1]}\n{text}\n\n{match[2]}", old)
+    if count != 1:
+        raise SystemExit(f"{path}: one mark <!-- {name} --> is needed, {count} are there")
+    path.write_text(new, encoding="utf-8")
+
+
+def accuracy():
+    """One table for each oracle."""
+    by_oracle = {}
+    for row in rows("accuracy"):
+        by_oracle.setdefault(row["oracle"], []).append(row)
+    text = (HERE / "accuracy.md").read_text(encoding="utf-8")
+    missing = set(by_oracle) - set(re.findall(r"<!-- (.*?) -->", text))
+    if missing:
+        raise SystemExit(f"accuracy.md has no place for {sorted(missing)}")
+    for oracle, found in by_oracle.items():
+        # The tests ran at the same time: their order says nothing.
+        found.sort(key=lambda row: row["case"])
+        cells = [(row["case"], row["found"], row["demanded"]) for row in found]
+        insert("accuracy.md", oracle, markdown(["case", "found", "demanded"], cells))
+
+
+def stability():
+    found = sorted(rows("stability"), key=lambda row: (row["case"], row["method"]))
+    cells = [(row["case"], row["method"], row["happens"], row["told"]) for row in found]
+    header = ["case", "method", "what happens", "what the user is told"]
+    insert("stability.md", "stability", markdown(header, cells))
+
+
+def sweeps():
+    """Charts of error, and of the light that is found, against what shrinks."""
+    found = rows("sweeps")
+    for sweep, (title, label) in SWEEPS.items():
+        figure, (error, share) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
+        mine = [row for row in found if row["sweep"] == sweep]
+        smallest = min(row["parameter"] for row in mine if row["parameter"] > 0)
+        for method, colour in COLOURS.items():
+            points = sorted(
+                (row["parameter"] or smallest / 10, row["relative_mse"], row["found"], row["found_error"])
+                for row in mine
+                if row["integrator"] == method
+            )
+            x, relative_mse, light, light_error = zip(*points)
+            error.loglog(x, relative_mse, "o-", color=colour, label=method, markersize=3)
+            share.errorbar(x, light, light_error, fmt="o-", color=colour, label=method, markersize=3)
+        share.set_xscale("log")
+        share.set_ylim(0, max(1.5, min(3, max(row["found"] for row in mine) * 1.1)))
+        share.axhline(1, color="grey", linewidth=0.8)
+        error.set_ylabel("relMSE at 64 samples per pixel")
+        share.set_ylabel("mean of the image / reference")
+        for axes in (error, share):
+            axes.set_xlabel(label)
+            axes.invert_xaxis()
+            axes.grid(True, which="major", linewidth=0.3)
+        error.legend(frameon=False)
+        figure.suptitle(title)
+        for suffix in ("svg", "png"):
+            figure.savefig(HERE / "images" / f"sweep-{sweep}.{suffix}", dpi=110, metadata={"Date": None} if suffix == "svg" else None)
+        plt.close(figure)
+
+
+if __name__ == "__main__":
+    plt.rcParams["svg.hashsalt"] = "metrolight"
+    accuracy()
+    stability()
+    sweeps()

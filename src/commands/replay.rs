@@ -1,0 +1,152 @@
+//! `metrolight replay`: one sample of a render, made again and taken apart.
+
+use glam::DVec3;
+use metrolight::integrators::Technique;
+use metrolight::path::{Connection, Vertex};
+use metrolight::render::{Origin, Replay, Settings};
+use metrolight::scene::Scene;
+use miette::bail;
+
+use super::render::{IntegratorName, print_warnings};
+use super::source::SceneArgs;
+use super::{Outcome, say, values};
+
+/// Make one sample of a render again and show its paths
+///
+/// A render prints the command line for each of the first samples that were not finite. Where the
+/// sample came from, the integrator and the seed say all; the size of the image, the longest path and
+/// variables must be those of the render.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  metrolight replay scene.xml --integrator bdpt --seed 1 --at pass=3,pixel=120
+  metrolight replay scene.xml --integrator pssmlt --at chain=5,start=81234,step=600
+
+Exit codes: 0 done, 2 bad input")]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Method of the render
+    #[arg(long, default_value_t = Settings::default().integrator.into())]
+    integrator: IntegratorName,
+
+    /// Seed of the render
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+
+    /// Where the sample came from, as the render printed it
+    #[arg(long, value_name = "ORIGIN", value_parser = str::parse::<Origin>)]
+    at: Origin,
+
+    /// Probability of a large step in the render, for a sample of a chain
+    #[arg(
+        long,
+        value_name = "P",
+        value_parser = values::probability,
+        default_value_t = Settings::default().large_step_probability
+    )]
+    large_step_probability: f32,
+}
+
+/// The command line that shows the sample of a render that came from `origin`.
+pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
+    let mut words = format!(
+        "metrolight replay {} --integrator {} --seed {} --at {origin}",
+        scene.words(),
+        settings.integrator.name(),
+        settings.seed
+    );
+    let p = settings.large_step_probability;
+    let is_usual = p == Settings::default().large_step_probability;
+    if matches!(origin, Origin::Mutation { .. }) && !is_usual {
+        words += &format!(" --large-step-probability {p}");
+    }
+    words
+}
+
+/// Prints subpaths and connections on stdout.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    let opened = args.scene.open()?;
+    print_warnings(&opened.warnings);
+    let settings = Settings {
+        seed: args.seed,
+        large_step_probability: args.large_step_probability,
+        ..Settings::new(args.integrator.into())
+    };
+    let scene = &opened.scene;
+    let replay = match Replay::run(scene, &settings, args.at) {
+        Ok(replay) => replay,
+        Err(error) => bail!("--at {}: {error}", args.at),
+    };
+    say(format_args!(
+        "{} of {}, {}, seed {}",
+        args.at,
+        args.scene.path.display(),
+        args.integrator,
+        args.seed
+    ));
+    subpath(
+        scene,
+        "camera subpath",
+        'z',
+        replay.workspace.camera_vertices(),
+    );
+    subpath(
+        scene,
+        "light subpath",
+        'y',
+        replay.workspace.light_vertices(),
+    );
+    if replay.connections.is_empty() {
+        say("no technique finds light");
+    }
+    for (technique, connection) in &replay.connections {
+        say(found(scene, &replay, *technique, connection));
+    }
+    Ok(Outcome::Done)
+}
+
+fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
+    say(format_args!("{name}: {} surface vertices", vertices.len()));
+    for (i, vertex) in (1..).zip(vertices) {
+        let surface = &vertex.surface;
+        say(format_args!(
+            "  {letter}_{i} at {} on {}, {}; alpha {}",
+            triple(scene.to_world(surface.position)),
+            scene.geometry.shape_name(surface.shape),
+            scene.materials[vertex.material as usize].name(),
+            triple(vertex.throughput.as_dvec3()),
+        ));
+    }
+}
+
+/// A connection in a line: technique, pixel, value and weight.
+fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Connection) -> String {
+    let film = connection.film.unwrap_or(replay.film);
+    let contribution = connection.value * connection.weight;
+    let fault = if contribution.is_finite() && contribution.min_element() >= 0.0 {
+        ""
+    } else {
+        "  <- not finite or negative: left out of the image"
+    };
+    format!(
+        "technique s = {}, t = {} at film position ({:.2}, {:.2}): value {} x weight {}{fault}",
+        technique.s,
+        technique.t,
+        film.x * scene.film.width as f32,
+        film.y * scene.film.height as f32,
+        triple(connection.value.as_dvec3()),
+        connection.weight,
+    )
+}
+
+/// Three numbers to six digits; in plain decimals where these are short.
+fn triple(v: DVec3) -> String {
+    let number = |x: f64| match x.abs() {
+        0.0 => "0".into(),
+        1e-3..1e6 => format!("{x:.6}"),
+        _ => format!("{x:.6e}"),
+    };
+    format!("({}, {}, {})", number(v.x), number(v.y), number(v.z))
+}

@@ -1,0 +1,276 @@
+//! How sure an image is: standard errors from independent parts of its own samples, and when an
+//! error that was asked for has been reached.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Settings;
+use super::seat::Seat;
+use crate::film::{Film, Image, SplatFilm};
+use crate::statistics::{Moments, expected_relative_mse};
+
+/// What the samples themselves say about the error of the image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// Standard error of every pixel and channel, in the unit of the image.
+    pub standard_errors: Vec<[f32; 3]>,
+    /// Expected [`crate::statistics::relative_mse`] of the image.
+    pub relative_mse: f64,
+    /// Independent parts of the samples whose spread was measured: passes over all pixels, or groups
+    /// of chains. Each standard error has one degree of freedom less.
+    pub parts: u64,
+    /// Share of pixels whose variance comes nearly all from one part: what that part met is so rare
+    /// that others like it are probably still missing, and true errors larger than these.
+    pub single: f64,
+}
+
+/// Variance of a pixel, per channel.
+struct PixelVariance {
+    variance: [f64; 3],
+    /// The largest share of it that one part has.
+    largest_share: f64,
+}
+
+impl ErrorEstimate {
+    /// A part with more than this share of the variance is alone: of 16 normal deviates the largest
+    /// has a share beyond it with probability 10^-8.
+    const ALONE: f64 = 0.8;
+
+    fn new(image: &Image, pixels: &[PixelVariance], parts: u64) -> Self {
+        let error = |pixel: &PixelVariance| pixel.variance.map(|v| v.sqrt() as f32);
+        let standard_errors: Vec<[f32; 3]> = pixels.iter().map(error).collect();
+        let single = pixels
+            .iter()
+            .filter(|pixel| pixel.largest_share > Self::ALONE);
+        Self {
+            relative_mse: expected_relative_mse(&image.pixels, &standard_errors),
+            standard_errors,
+            parts,
+            single: single.count() as f64 / pixels.len() as f64,
+        }
+    }
+}
+
+/// When to look at the error, and whether it is small enough.
+pub(super) struct Target {
+    /// The relMSE asked for.
+    error: Option<f64>,
+    pixels: u64,
+    /// Samples at which to look next.
+    next: u64,
+}
+
+impl Target {
+    /// Samples per pixel before the first look: with fewer an image that has missed its rare bright
+    /// paths looks finished.
+    const FIRST_LOOK: u64 = 16;
+
+    pub fn new(settings: &Settings, pixels: u64) -> Self {
+        Self {
+            error: settings.target_error,
+            pixels,
+            next: Self::FIRST_LOOK * pixels,
+        }
+    }
+
+    /// True if the error is wanted after `done` samples. Looks are few, each after a tenth more
+    /// samples: the more often one looks, the likelier one stops at an estimate that is too low.
+    pub fn is_due(&self, done: u64) -> bool {
+        self.error.is_some() && done >= self.next
+    }
+
+    /// Looks at the error after `done` samples. Returns what part of the work seems to be done, the
+    /// error falling as one over the number of samples: 1 if the error is reached.
+    pub fn look(&mut self, done: u64, estimate: &ErrorEstimate) -> f64 {
+        self.next = (done + done / 10).max(done + self.pixels);
+        match self.error {
+            Some(error) if estimate.relative_mse > error => error / estimate.relative_mse,
+            _ => 1.0,
+        }
+    }
+}
+
+/// Variance of the pixels of a Monte Carlo image, from its passes: in each every pixel is sampled
+/// once, so passes are independent images with one distribution. What a pass gives to a pixel holds
+/// its camera sample and all splats that land there, so their covariance counts too.
+pub(super) struct Passes {
+    count: u64,
+    pixels: Vec<PassSums>,
+}
+
+/// What the passes have given to a pixel.
+#[derive(Clone, Copy, Default)]
+struct PassSums {
+    sum: [f64; 3],
+    /// Squared deviations from the mean.
+    squares: [f64; 3],
+    /// The most that one pass has given, all channels together.
+    most: f64,
+}
+
+impl PassSums {
+    fn variance(&self, n: f64) -> PixelVariance {
+        let [sum, squares] = [self.sum, self.squares].map(|v| v.iter().sum::<f64>());
+        PixelVariance {
+            variance: self.squares.map(|s| s.max(0.0) / (n * (n - 1.0))),
+            largest_share: share((self.most - sum / n).powi(2) / 3.0, squares),
+        }
+    }
+}
+
+/// 0/0 = 0: where nothing varies no part has a share.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+impl Passes {
+    pub fn new(pixels: u64) -> Self {
+        Self {
+            count: 0,
+            pixels: vec![PassSums::default(); pixels as usize],
+        }
+    }
+
+    /// Takes note of a pass that `film` has been through, after all before it. The pass is what the
+    /// film has more than before: rounding matters as little as in the film's own sums.
+    pub fn add(&mut self, film: &Film) {
+        self.count += 1;
+        let n = self.count as f64;
+        let splat_scale = 1.0 / (n * self.pixels.len() as f64);
+        let pixels = self.pixels.par_iter_mut().enumerate();
+        pixels.for_each(|(i, pixel)| {
+            let mean = film.value(i, splat_scale);
+            let mut given = 0.0;
+            for (c, mean) in mean.into_iter().enumerate() {
+                let value = n * mean - pixel.sum[c];
+                if n > 1.0 {
+                    pixel.squares[c] += (value - pixel.sum[c] / (n - 1.0)) * (value - mean);
+                }
+                pixel.sum[c] = n * mean;
+                given += value;
+            }
+            pixel.most = pixel.most.max(given);
+        });
+    }
+
+    /// The error of `image`; `None` before the second pass. Samples of an unfinished pass count for
+    /// nothing, so the estimate is then a little high.
+    pub fn estimate(&self, image: &Image) -> Option<ErrorEstimate> {
+        if self.count < 2 {
+            return None;
+        }
+        let n = self.count as f64;
+        let pixels: Vec<PixelVariance> = self.pixels.iter().map(|p| p.variance(n)).collect();
+        Some(ErrorEstimate::new(image, &pixels, self.count))
+    }
+}
+
+/// Independent groups of Markov chains: the spread of what they give is the error of the image,
+/// however strongly the states of a chain depend on each other.
+///
+/// Group g with m_g of all M mutations has the image s_g/m_g, s_g being its splats with the weights
+/// (c + l)/(I/b_0 + p). It also has its own estimate b_g of b, from its part of the bootstrap and its
+/// own large steps. The final image has the factor b/b_0 on its chain part A (see
+/// [`super::metropolis`]), so to first order group g stands for the image
+///
+///   X_g = s_g/m_g + A (b_g - b_0)/b_0,
+///
+/// and the image for their mean, weighted by w_g = m_g/M. Its variance is estimated by
+/// G/(G - 1) sum_g w_g^2 (X_g - mean)^2.
+pub(super) struct Groups {
+    films: Vec<SplatFilm>,
+}
+
+/// What a group of chains has done.
+pub(super) struct GroupWork {
+    /// m_g.
+    pub mutations: u64,
+    /// Densities of its uniform samples, whose mean is b_g.
+    pub uniform: Moments,
+}
+
+impl Groups {
+    /// Most groups: the standard errors have 15 degrees of freedom, and the memory of 16 films is
+    /// spent.
+    const MOST: usize = 16;
+
+    /// For `chains` chains; each group has a film like `film`, black.
+    pub fn new(chains: usize, film: &SplatFilm) -> Self {
+        Self {
+            films: vec![film.clone(); chains.min(Self::MOST)],
+        }
+    }
+
+    /// Number of groups.
+    pub fn len(&self) -> usize {
+        self.films.len()
+    }
+
+    /// Those of all `chains` that are in group `g`: neighbours, which start from neighbouring
+    /// bootstrap samples, so that chains with one start are in one group as far as possible.
+    pub fn chains_of(&self, g: usize, chains: usize) -> Range<usize> {
+        chains * g / self.len()..chains * (g + 1) / self.len()
+    }
+
+    /// Adds what some of `all` chains have logged, each in its seat.
+    pub fn apply(&mut self, all: usize, chains: Range<usize>, seats: &[Seat]) {
+        for g in 0..self.len() {
+            let group = self.chains_of(g, all);
+            let begin = group.start.clamp(chains.start, chains.end) - chains.start;
+            let end = group.end.clamp(chains.start, chains.end) - chains.start;
+            let logs = seats[begin..end]
+                .iter()
+                .flat_map(|seat| [&seat.chain_log, &seat.large_log]);
+            self.films[g].apply(&logs.collect::<Vec<_>>());
+        }
+    }
+
+    /// The error of `image`. `chain_part` is A per pixel, `b_0` the constant in the weights. `None`
+    /// if fewer than two groups have done anything.
+    pub fn estimate(
+        &self,
+        image: &Image,
+        work: &[GroupWork],
+        b_0: f64,
+        chain_part: impl Fn(usize) -> [f64; 3] + Sync,
+    ) -> Option<ErrorEstimate> {
+        let at_work = || {
+            let films = self.films.iter().zip(work);
+            films.filter(|(_, work)| work.mutations > 0)
+        };
+        let groups = at_work().count() as f64;
+        if groups < 2.0 {
+            return None;
+        }
+        let all: u64 = work.iter().map(|work| work.mutations).sum();
+        let pixel = |i: usize| {
+            let (chain, mut parts) = (chain_part(i), [[0.0; 3]; Self::MOST]);
+            let mut mean = [0.0; 3];
+            let mut weights = [0.0; Self::MOST];
+            for ((part, weight), (film, work)) in parts.iter_mut().zip(&mut weights).zip(at_work())
+            {
+                let (sum, mutations) = (film.sum(i), work.mutations as f64);
+                *weight = mutations / all as f64;
+                for c in 0..3 {
+                    part[c] = sum[c] / mutations + chain[c] * (work.uniform.mean / b_0 - 1.0);
+                    mean[c] += *weight * part[c];
+                }
+            }
+            let squares = parts.iter().zip(weights).map(|(part, weight)| {
+                std::array::from_fn::<f64, 3, _>(|c| (weight * (part[c] - mean[c])).powi(2))
+            });
+            let total = squares.clone().fold([0.0; 3], |total, square| {
+                std::array::from_fn(|c| total[c] + square[c])
+            });
+            let largest = squares.map(|s| s.iter().sum()).fold(0.0, f64::max);
+            PixelVariance {
+                variance: total.map(|v| v * groups / (groups - 1.0)),
+                largest_share: share(largest, total.iter().sum()),
+            }
+        };
+        let pixels: Vec<PixelVariance> =
+            (0..image.pixels.len()).into_par_iter().map(pixel).collect();
+        Some(ErrorEstimate::new(image, &pixels, groups as u64))
+    }
+}

@@ -1,0 +1,96 @@
+//! Where a chain takes its turn: the target that it asks, and what it logs.
+
+use crate::film::{Splat, SplatLog};
+use crate::integrators::{Sampler, Splats, Workspace};
+use crate::markov::{Sample, Target};
+use crate::math::Coordinates;
+use crate::scene::{RayCounts, Scene};
+
+/// A path sampler as the target of Markov chains: I(u) is the luminance of all splats.
+pub struct LightTarget<'a> {
+    scene: &'a Scene,
+    sampler: Sampler,
+    workspace: Workspace,
+}
+
+impl<'a> LightTarget<'a> {
+    /// The light of `scene` as `sampler` finds it.
+    pub fn new(scene: &'a Scene, sampler: Sampler) -> Self {
+        Self {
+            scene,
+            sampler,
+            workspace: Workspace::default(),
+        }
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> RayCounts {
+        self.workspace.rays
+    }
+}
+
+impl Target for LightTarget<'_> {
+    type Contribution = Splats;
+
+    #[inline]
+    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Splats) -> f64 {
+        self.sampler
+            .sample(self.scene, point, &mut self.workspace, out);
+        out.luminance()
+    }
+}
+
+/// What one chain does in one turn, kept apart so that turns can be taken in parallel.
+pub(super) struct Seat<'a> {
+    pub target: LightTarget<'a>,
+    /// Splats with chain weights, and with large-step weights.
+    pub chain_log: SplatLog,
+    pub large_log: SplatLog,
+}
+
+impl<'a> Seat<'a> {
+    /// A seat with nothing logged.
+    pub fn new(target: LightTarget<'a>) -> Self {
+        Self {
+            target,
+            chain_log: SplatLog::new(),
+            large_log: SplatLog::new(),
+        }
+    }
+}
+
+/// The denominator of the weights.
+#[derive(Clone, Copy)]
+pub(super) struct Weighing {
+    /// b_0.
+    pub b: f64,
+    /// p.
+    pub large_step_probability: f64,
+}
+
+impl Weighing {
+    /// Logs a sample with the weight that it has gathered.
+    #[inline]
+    pub fn log(&self, sample: &Sample<Splats>, seat: &mut Seat) {
+        if !sample.density.is_finite() || sample.density <= 0.0 {
+            return;
+        }
+        let per_weight = 1.0 / (sample.density / self.b + self.large_step_probability);
+        let chain = (sample.weights.chain * per_weight) as f32;
+        let large = (sample.weights.large * per_weight) as f32;
+        for Splat { position, value } in sample.contribution.iter() {
+            if chain > 0.0 {
+                seat.chain_log.push(Splat {
+                    position,
+                    value: value * chain,
+                });
+            }
+            if large > 0.0 {
+                seat.large_log.push(Splat {
+                    position,
+                    value: value * large,
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Standard errors that a render gives of itself: do true errors lie where they say?
+//!
+//! Over many seeds, the 95% interval of every pixel is checked against a reference from all other
+//! renders and more: the share of intervals that hold it must be between 90% and 98%. The relMSE that
+//! a render expects of itself is compared with the one it has.
+
+mod common;
+
+use common::figures::{Accuracy, record};
+use metrolight::render::{Budget, ErrorEstimate, Integrator, Settings, Unobserved, render};
+use metrolight::scene::Scene;
+use metrolight::statistics::{Moments, relative_mse};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+const SEEDS: u64 = 40;
+
+/// Images with their error estimates, over seeds.
+fn renders(scene: &Scene, settings: &Settings) -> Vec<(Vec<[f32; 3]>, ErrorEstimate)> {
+    (0..SEEDS)
+        .map(|seed| {
+            let settings = Settings {
+                seed,
+                error: true,
+                ..settings.clone()
+            };
+            let rendering = render(scene, &settings, &Unobserved).expect("threads");
+            let error = rendering.error.expect("more than one part");
+            (rendering.image.pixels, error)
+        })
+        .collect()
+}
+
+/// The mean image of other seeds, each of eight times the budget.
+fn reference(scene: &Scene, settings: &Settings) -> Vec<[f32; 3]> {
+    const RENDERS: u64 = 8;
+    let mut sums = vec![[0.0; 3]; (scene.film.width * scene.film.height) as usize];
+    for seed in 1000..1000 + RENDERS {
+        let Budget::SamplesPerPixel(spp) = settings.budget else {
+            unreachable!("budgets here are numbers of samples");
+        };
+        let settings = Settings {
+            seed,
+            budget: Budget::SamplesPerPixel(8 * spp),
+            ..settings.clone()
+        };
+        let image = render(scene, &settings, &Unobserved)
+            .expect("threads")
+            .image;
+        for (sum, pixel) in sums.iter_mut().zip(&image.pixels) {
+            for c in 0..3 {
+                sum[c] += f64::from(pixel[c]);
+            }
+        }
+    }
+    let mean = |sum: [f64; 3]| sum.map(|s| (s / RENDERS as f64) as f32);
+    sums.into_iter().map(mean).collect()
+}
+
+/// Share of pixels and channels whose 95% interval holds the reference.
+fn coverage(renders: &[(Vec<[f32; 3]>, ErrorEstimate)], reference: &[[f32; 3]]) -> f64 {
+    let mut held = Moments::default();
+    for (image, error) in renders {
+        let freedom = error.parts as f64 - 1.0;
+        let t = StudentsT::new(0.0, 1.0, freedom)
+            .expect("degrees of freedom")
+            .inverse_cdf(0.975);
+        for ((x, s), r) in image.iter().zip(&error.standard_errors).zip(reference) {
+            for c in 0..3 {
+                let inside = f64::from((x[c] - r[c]).abs()) <= t * f64::from(s[c]);
+                held.add(f64::from(u8::from(inside)));
+            }
+        }
+    }
+    held.mean
+}
+
+fn assert_calibrated(path: &str, defines: &[(&str, &str)], integrator: Integrator, spp: u64) {
+    let defines = [
+        &[("resx", "24"), ("resy", "18"), ("integrator", "path")],
+        defines,
+    ]
+    .concat();
+    let scene = common::load(path, &defines);
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(spp),
+        bootstrap: Some(20_000),
+        ..Settings::new(integrator)
+    };
+    let renders = renders(&scene, &settings);
+    let reference = reference(&scene, &settings);
+    let coverage = coverage(&renders, &reference);
+    let true_error: Moments = renders
+        .iter()
+        .map(|(image, _)| relative_mse(image, &reference))
+        .collect();
+    let estimate: Moments = renders
+        .iter()
+        .map(|(_, error)| error.relative_mse)
+        .collect();
+    let ratio = estimate.mean / true_error.mean;
+    let found = format!(
+        "coverage of 95% intervals {:.1}%; relMSE expected {:.2e}, true {:.2e}",
+        100.0 * coverage,
+        estimate.mean,
+        true_error.mean
+    );
+    println!("{path} {integrator:?}: {found}");
+    record(
+        "accuracy",
+        &Accuracy {
+            oracle: "error bars",
+            case: &format!(
+                "{path}, {}, {spp} per pixel, {SEEDS} seeds",
+                integrator.name()
+            ),
+            found,
+            demanded: "coverage 90% to 98%; relMSE within 25%".into(),
+        },
+    );
+    assert!(
+        (0.90..=0.98).contains(&coverage),
+        "{path} {integrator:?}: coverage {coverage}"
+    );
+    assert!(
+        (0.8..=1.25).contains(&ratio),
+        "{path} {integrator:?}: {} for {}",
+        estimate.mean,
+        true_error.mean
+    );
+}
+
+#[test]
+fn standard_errors_of_monte_carlo_cover_the_truth() {
+    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+        assert_calibrated("scenes/cornell/scene.xml", &[], integrator, 32);
+    }
+}
+
+#[test]
+fn standard_errors_of_metropolis_cover_the_truth() {
+    assert_calibrated("scenes/cornell/scene.xml", &[], Integrator::Pssmlt, 128);
+    assert_calibrated("scenes/door/scene.xml", &[], Integrator::Pssmlt, 256);
+}
+
+/// Takes some minutes.
+#[test]
+#[ignore = "takes minutes: cargo test --release --test error_bars -- --ignored"]
+fn standard_errors_on_hard_scenes_cover_the_truth() {
+    assert_calibrated("scenes/rough-glass/scene.xml", &[], Integrator::Bdpt, 64);
+    for scene in ["door", "rough-glass", "pool", "spheres", "torus-in-glass"] {
+        let path = format!("scenes/{scene}/scene.xml");
+        assert_calibrated(&path, &[], Integrator::Pssmlt, 512);
+    }
+}

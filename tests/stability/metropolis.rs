@@ -1,0 +1,441 @@
+//! Markov chains where they have little to go by: light that hardly any sample finds, islands that
+//! small steps cannot cross, chains that never move.
+
+use metrolight::render::{Budget, Integrator, Rendering, Settings, Unobserved, render};
+use metrolight::scene::Scene;
+use metrolight::statistics::{Moments, normal_two_sided, welch};
+
+use super::common::figures::{Stability, record};
+use super::rooms::{GLASS, ball, behind_two_panes, lamp, room, scene};
+
+/// False alarm rate of each statistical test here; seeds are fixed.
+const ALPHA: f64 = 1e-4;
+
+fn pssmlt(spp: u64) -> Settings {
+    Settings {
+        budget: Budget::SamplesPerPixel(spp),
+        bootstrap: Some(10_000),
+        ..Settings::new(Integrator::Pssmlt)
+    }
+}
+
+fn run(scene: &Scene, settings: &Settings) -> Rendering {
+    render(scene, settings, &Unobserved).expect("threads")
+}
+
+/// Mean of the first channel over all pixels.
+fn mean(rendering: &Rendering) -> f64 {
+    let pixels = &rendering.image.pixels;
+    pixels.iter().map(|p| f64::from(p[0])).sum::<f64>() / pixels.len() as f64
+}
+
+/// Renders with `seeds` seeds, on one thread each: most of them are short.
+fn renders(scene: &Scene, settings: &Settings, seeds: u64) -> Vec<Rendering> {
+    (0..seeds)
+        .map(|i| {
+            let settings = Settings {
+                seed: settings.seed + i,
+                threads: Some(1),
+                ..settings.clone()
+            };
+            run(scene, &settings)
+        })
+        .collect()
+}
+
+/// Moments of `value` over renders.
+fn moments(renders: &[Rendering], value: impl Fn(&Rendering) -> f64) -> Moments {
+    renders.iter().map(value).collect()
+}
+
+/// Null hypothesis: the mean over seeds is `truth`, by a z-test; there are many seeds.
+fn assert_mean(what: &str, moments: &Moments, truth: f64) {
+    let p = normal_two_sided((moments.mean - truth) / moments.standard_error());
+    let error = moments.standard_error();
+    println!(
+        "{what}: {} +- {error}, truth {truth}, p = {p:.1e}",
+        moments.mean
+    );
+    assert!(
+        p > ALPHA,
+        "{what}: {} +- {error} is not {truth}",
+        moments.mean
+    );
+}
+
+fn stability(case: &str, happens: String, told: &[String]) {
+    let told = if told.is_empty() {
+        "nothing".into()
+    } else {
+        told.join("; ")
+    };
+    record(
+        "stability",
+        &Stability {
+            case,
+            method: "pssmlt",
+            happens,
+            told,
+        },
+    );
+}
+
+/// Two squares that shine, seen face on by an orthogonal look at a film of 2 x 1 pixels: the left
+/// fills `areas[0]` of its pixel with `radiances[0]`, the right likewise. Only paths of one edge, so
+/// every value is known: pixel i is areas[i] radiances[i]. The gap between them is wider than any
+/// small step.
+fn islands(areas: [f64; 2], radiances: [f64; 2]) -> Scene {
+    // At distance 1 under 90 degrees the film spans [-1, 1] x [-0.5, 0.5].
+    let square = |center: f64, area: f64, radiance: f64| {
+        let half = 0.5 * area.sqrt();
+        format!(
+            "<shape type='rectangle'><transform name='to_world'>
+               <scale value='{half:e}'/><translate x='{center}' z='-1'/></transform>
+               <emitter type='area'><rgb name='radiance' value='{radiance:e}'/></emitter></shape>"
+        )
+    };
+    let [left, right] = [0, 1].map(|i| square([-0.5, 0.5][i], areas[i], radiances[i]));
+    scene(
+        "<float name='fov' value='90'/><transform name='to_world'>
+             <lookat origin='0, 0, 0' target='0, 0, -1' up='0, 1, 0'/></transform>",
+        [2, 1],
+        1,
+        &(left + &right),
+    )
+}
+
+fn pixel(i: usize) -> impl Fn(&Rendering) -> f64 {
+    move |rendering| f64::from(rendering.image.pixels[i][0])
+}
+
+#[test]
+fn no_light_at_all_is_black_and_said() {
+    // A lamp in a box without windows.
+    let walls = "<shape type='cube' id='box'><transform name='to_world'>
+           <scale value='0.4'/><translate y='2.2'/></transform>
+           <bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>";
+    let rendering = run(&room(&(lamp(0.1, [0.0, 2.2, 0.0]) + walls)), &pssmlt(4));
+    assert!(rendering.image.pixels.iter().flatten().all(|&v| v == 0.0));
+    let [warning] = &rendering.warnings[..] else {
+        panic!("one warning: {:?}", rendering.warnings);
+    };
+    assert!(warning.contains("none of 10000 bootstrap samples found light"));
+    stability(
+        "no light at all",
+        "a black image".into(),
+        &rendering.warnings,
+    );
+}
+
+#[test]
+fn light_that_hardly_any_bootstrap_sample_finds() {
+    let scene = behind_two_panes(0.004);
+    let settings = Settings {
+        bootstrap: Some(100_000),
+        ..pssmlt(16)
+    };
+    // Some bootstraps find the light and some do not: each says how little is known.
+    let renderings = renders(&scene, &settings, 8);
+    for rendering in &renderings {
+        let warning = rendering.warnings.first().expect("a warning");
+        assert!(
+            warning.contains("b is known to")
+                || warning.contains("found light: the image is black"),
+            "{warning}"
+        );
+        assert!(
+            rendering
+                .image
+                .pixels
+                .iter()
+                .flatten()
+                .all(|v| v.is_finite())
+        );
+    }
+    let found = renderings.iter().filter(|r| mean(r) > 0.0).count();
+    let told = renderings
+        .iter()
+        .find(|r| mean(r) > 0.0)
+        .map_or(&[][..], |r| &r.warnings);
+    stability(
+        "light found by 1 bootstrap sample in 10^5",
+        format!("{found} of 8 seeds find it; the others are black"),
+        told,
+    );
+}
+
+/// The same in small, where the truth is known: an island that a bootstrap of 1000 finds once on the
+/// average. Black images and bright ones average out.
+#[test]
+fn images_that_miss_a_rare_light_are_made_good_by_those_that_do_not() {
+    let scene = islands([2e-3, 1e-12], [1.0, 1e-3]);
+    let settings = Settings {
+        bootstrap: Some(1000),
+        chains: 8,
+        ..pssmlt(64)
+    };
+    let renders = renders(&scene, &settings, 3000);
+    let moments = moments(&renders, pixel(0));
+    assert_mean("rare island", &moments, 2e-3);
+    let is_black = |r: &Rendering| f64::from(u8::from(pixel(0)(r) == 0.0));
+    let black: Moments = renders.iter().map(is_black).collect();
+    assert!((0.2..0.6).contains(&black.mean), "{} are black", black.mean);
+    stability(
+        "an island that a bootstrap finds once on the average",
+        format!(
+            "{:.0}% of images are black, the mean of all is {:.3} +- {:.3} of the truth",
+            100.0 * black.mean,
+            moments.mean / 2e-3,
+            moments.standard_error() / 2e-3
+        ),
+        &[],
+    );
+}
+
+#[test]
+fn islands_that_small_steps_cannot_cross() {
+    let scene = islands([0.04, 0.01], [1.0, 4.0]);
+    for (p_large, chains) in [(0.0, 64), (0.0, 1), (0.3, 1), (0.3, 64), (1.0, 1)] {
+        let settings = Settings {
+            large_step_probability: p_large,
+            chains,
+            bootstrap: Some(2000),
+            ..pssmlt(256)
+        };
+        let renders = renders(&scene, &settings, 400);
+        for i in 0..2 {
+            let moments = moments(&renders, pixel(i));
+            assert_mean(
+                &format!("p {p_large}, {chains} chains, island {i}"),
+                &moments,
+                0.04,
+            );
+            if p_large == 0.0 {
+                stability(
+                    &format!(
+                        "two islands, p_large = 0, {chains} chains, island {}",
+                        i + 1
+                    ),
+                    format!(
+                        "right in the mean; one image is off by {:.0}%",
+                        100.0 * moments.variance().sqrt() / 0.04
+                    ),
+                    &[],
+                );
+            }
+        }
+    }
+}
+
+/// The dim island has 10^-6 of the light, and is seen by large steps alone: its error is that of
+/// plain Monte Carlo with as many samples as there are large steps and bootstrap samples.
+#[test]
+fn an_island_a_million_times_brighter_does_not_hide_the_other() {
+    let scene = islands([0.25, 0.25], [1.0, 1e6]);
+    let settings = Settings {
+        chains: 16,
+        bootstrap: Some(2000),
+        ..pssmlt(2048)
+    };
+    let renders = renders(&scene, &settings, 100);
+    let dim = moments(&renders, pixel(0));
+    assert_mean("dim island", &dim, 0.25);
+    let bright = moments(&renders, pixel(1));
+    assert_mean("bright island", &bright, 0.25e6);
+    // p M = 1229 large steps, an eighth of which meet the island: 1/sqrt(154) = 8%, no weight of
+    // the chain being worth anything there.
+    let error = dim.variance().sqrt() / 0.25;
+    assert!(error < 0.12, "{error}");
+    stability(
+        "one island 10^6 brighter than the other",
+        format!(
+            "both right in the mean; the dim one has an error of {:.1}% with 1229 large steps",
+            100.0 * error
+        ),
+        &[],
+    );
+}
+
+/// p_large = 0 and 1, one chain and many: all agree with plain bidirectional path tracing.
+#[test]
+fn extremes_of_large_steps_and_of_chains_agree_with_bdpt() {
+    let contents = [
+        lamp(0.2, [0.0, 2.2, 0.0]),
+        ball("ball", 0.5, [0.5, 0.5, 0.0], GLASS),
+    ];
+    let scene = room(&contents.concat());
+    let bdpt = Settings {
+        budget: Budget::SamplesPerPixel(16),
+        ..Settings::new(Integrator::Bdpt)
+    };
+    let truth = moments(&renders(&scene, &bdpt, 24), mean);
+    for (p_large, chains) in [(0.0, 1024), (1.0, 1024), (0.3, 1), (0.3, 100_000)] {
+        let settings = Settings {
+            large_step_probability: p_large,
+            chains,
+            seed: 1000,
+            ..pssmlt(if chains > 10_000 { 300 } else { 16 })
+        };
+        let seeds = if chains > 10_000 { 6 } else { 24 };
+        let ours = moments(&renders(&scene, &settings, seeds), mean);
+        let p = welch(&ours, &truth);
+        println!(
+            "p {p_large}, {chains} chains: {} and {}, p = {p:.1e}",
+            ours.mean, truth.mean
+        );
+        assert!(
+            p > ALPHA,
+            "p {p_large}, {chains} chains: {} for {}",
+            ours.mean,
+            truth.mean
+        );
+        stability(
+            &format!("p_large = {p_large}, {chains} chains"),
+            format!(
+                "mean {:.4} +- {:.4} of that of bdpt",
+                ours.mean / truth.mean,
+                ours.standard_error() / truth.mean
+            ),
+            &[],
+        );
+    }
+}
+
+/// Chains start from N bootstrap samples in proportion to I, and b is known from elsewhere (here: it
+/// is exact in the limit of many large steps, so the test takes the chains' share of the light): the
+/// share that starts on the left island is the ratio of two means over N samples. Its bias is
+/// (q v - k)/N to first order, with q the true share, v = E[I^2]/b^2 and k = E[I 1_left I]/b^2
+/// (Cochran 1977, "Sampling techniques", section 6.8): it falls as 1/N.
+#[test]
+fn start_up_bias_falls_as_one_over_the_bootstrap() {
+    let (areas, radiances) = ([0.4, 0.1], [1.0, 12.0]);
+    let scene = islands(areas, radiances);
+    // The film is two pixels: an island has half its area of it.
+    let first: f64 = (0..2).map(|i| 0.5 * areas[i] * radiances[i]).sum();
+    let squares = [0, 1].map(|i| 0.5 * areas[i] * radiances[i] * radiances[i] / (first * first));
+    let share = 0.5 * areas[0] * radiances[0] / first;
+    let constant = share * (squares[0] + squares[1]) - squares[0];
+    for (n, seeds) in [(32, 6000), (64, 12_000), (128, 24_000)] {
+        let settings = Settings {
+            large_step_probability: 0.0,
+            chains: 32,
+            bootstrap: Some(n),
+            ..pssmlt(16)
+        };
+        // A bootstrap that finds neither island says nothing; of 32 samples one in 10^4 does so.
+        let moments: Moments = renders(&scene, &settings, seeds)
+            .iter()
+            .map(|rendering| [0, 1].map(|i| pixel(i)(rendering)))
+            .filter(|light| light[0] + light[1] > 0.0)
+            .map(|light| light[0] / (light[0] + light[1]))
+            .collect();
+        let predicted = constant / n as f64;
+        let bias = moments.mean - share;
+        let error = moments.standard_error();
+        println!("N = {n}: bias {bias:.5} +- {error:.5}, predicted {predicted:.5}");
+        // The next order is about v/N of the first: allow it twice.
+        let next_order = 2.0 * predicted.abs() * (squares[0] + squares[1]) / n as f64;
+        assert!(bias > 5.0 * error, "N = {n}: the bias is not seen");
+        assert!(
+            (bias - predicted).abs() < 4.0 * error + next_order,
+            "N = {n}: {bias} for {predicted}"
+        );
+        stability(
+            &format!("a bootstrap of {n}, no large step"),
+            format!(
+                "the dim island's share of the light is biased by {bias:.4} +- {error:.4}; first order predicts {predicted:.4}"
+            ),
+            &[],
+        );
+    }
+}
+
+#[test]
+fn no_mutation_after_the_bootstrap_is_a_black_image() {
+    let scene = islands([0.25, 0.25], [1.0, 1.0]);
+    let rendering = run(&scene, &pssmlt(0));
+    assert_eq!(rendering.statistics.samples, 0);
+    assert!(rendering.image.pixels.iter().flatten().all(|&v| v == 0.0));
+    assert!(
+        rendering.warnings.iter().any(|w| w.contains("no mutation")),
+        "{:?}",
+        rendering.warnings
+    );
+    stability(
+        "0 mutations after the bootstrap",
+        "a black image".into(),
+        &rendering.warnings,
+    );
+}
+
+/// A chain that stands on a spike proposes, by large steps alone, nothing that it could accept.
+#[test]
+fn a_chain_that_never_accepts_is_reported() {
+    let scene = islands([0.5, 1e-3], [1.0, 1e9]);
+    let settings = Settings {
+        large_step_probability: 1.0,
+        chains: 4,
+        ..pssmlt(4000)
+    };
+    let rendering = run(&scene, &settings);
+    let metropolis = rendering.statistics.metropolis.as_ref().expect("pssmlt");
+    assert!(metropolis.stuck_chains > 0);
+    assert!(
+        rendering
+            .warnings
+            .iter()
+            .any(|w| w.contains("chains have been in one state"))
+    );
+    // Large steps weigh the spike and all else without bias all the same.
+    let moments = moments(&renders(&scene, &settings, 60), pixel(0));
+    assert_mean("beside the spike", &moments, 0.5);
+    stability(
+        "chains on a spike, p_large = 1",
+        format!(
+            "{} of {} chains never move for {} mutations; the rest of the image is right ({:.3} +- {:.3} of the truth)",
+            metropolis.stuck_chains,
+            metropolis.chains,
+            metropolis.longest_rejection_run,
+            moments.mean / 0.5,
+            moments.standard_error() / 0.5
+        ),
+        &rendering.warnings,
+    );
+}
+
+/// Images of 20 seeds differ by no more than the error that each gives of itself: over all pixels the
+/// variance between seeds is the mean of the squared standard errors, within a quarter.
+#[test]
+fn twenty_seeds_flicker_no_more_than_their_errors_say() {
+    let contents = [
+        lamp(0.2, [0.0, 2.2, 0.0]),
+        ball("ball", 0.5, [0.5, 0.5, 0.0], GLASS),
+    ];
+    let scene = room(&contents.concat());
+    let mut pixels: Vec<Moments> = Vec::new();
+    let mut expected = Moments::default();
+    for seed in 0..20 {
+        let settings = Settings {
+            seed,
+            error: true,
+            ..pssmlt(64)
+        };
+        let rendering = run(&scene, &settings);
+        pixels.resize(rendering.image.pixels.len(), Moments::default());
+        for (moments, pixel) in pixels.iter_mut().zip(&rendering.image.pixels) {
+            moments.add(f64::from(pixel[1]));
+        }
+        for error in &rendering.error.expect("groups").standard_errors {
+            expected.add(f64::from(error[1]).powi(2));
+        }
+    }
+    let between: Moments = pixels.iter().map(Moments::variance).collect();
+    let ratio = between.mean / expected.mean;
+    println!("variance between seeds over what they expect: {ratio}");
+    assert!((0.75..1.33).contains(&ratio), "{ratio}");
+    stability(
+        "flicker over 20 seeds",
+        format!("the variance between images is {ratio:.2} of what their standard errors say"),
+        &[],
+    );
+}

@@ -1,0 +1,288 @@
+//! Error at fixed work while something shrinks: lamps, roughness, a slit.
+//!
+//! Every point of a sweep is a scene of its own with a reference made by many times the work. What is
+//! recorded makes the charts in `docs/stability.md`.
+
+use metrolight::integrators::lost_light;
+use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::scene::Scene;
+use metrolight::statistics::{Moments, relative_mse};
+use serde::Serialize;
+
+use super::common::figures::record;
+use super::rooms::{GLASS, ball, behind_two_panes, lamp, room};
+
+/// What shrinks.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Sweep {
+    /// Area of a lamp in a diffuse room.
+    Lamp,
+    /// Area of a lamp over a ball of glass, whose caustic is seen directly.
+    LampOverGlass,
+    /// Area of a lamp in a ball of glass, whose direct light is seen from within another.
+    LampBehindTwoPanes,
+    /// Roughness of a ball of glass.
+    Roughness,
+    /// Width of a slit that all light comes through.
+    Slit,
+}
+
+const ALL: [Sweep; 5] = [
+    Sweep::Lamp,
+    Sweep::LampOverGlass,
+    Sweep::LampBehindTwoPanes,
+    Sweep::Roughness,
+    Sweep::Slit,
+];
+
+const METHODS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integrator::Pssmlt];
+
+/// Samples or mutations per pixel of every image that is judged.
+const WORK: u64 = 64;
+
+/// What is spent on a point of a sweep.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Images that are judged.
+    seeds: u64,
+    /// Work of the reference, as a multiple of theirs.
+    reference: u64,
+}
+
+/// For charts.
+const FULL: Effort = Effort {
+    seeds: 4,
+    reference: 64,
+};
+
+/// For assertions about factors.
+const QUICK: Effort = Effort {
+    seeds: 2,
+    reference: 12,
+};
+
+/// A point of a chart.
+#[derive(Serialize)]
+struct Row<'a> {
+    sweep: Sweep,
+    parameter: f64,
+    integrator: &'a str,
+    /// Mean over seeds, against the reference.
+    relative_mse: f64,
+    /// Mean of the images over the mean of the reference, and its standard error.
+    found: f64,
+    found_error: f64,
+    told: Vec<String>,
+}
+
+impl Sweep {
+    /// The parameter's values, the easiest first.
+    fn parameters(self) -> Vec<f64> {
+        match self {
+            Self::Lamp | Self::LampOverGlass | Self::LampBehindTwoPanes => {
+                (0..=8).map(|i| 10.0_f64.powi(-i)).collect()
+            }
+            Self::Roughness => vec![0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 1e-3, 1e-4, 0.0],
+            Self::Slit => vec![2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01],
+        }
+    }
+
+    fn scene(self, parameter: f64) -> Scene {
+        // A sphere's area is 4 pi r^2.
+        let radius = (parameter / (4.0 * std::f64::consts::PI)).sqrt();
+        let above = [0.0, 2.2, 0.0];
+        match self {
+            Self::Lamp => room(&lamp(radius, above)),
+            Self::LampOverGlass => {
+                room(&(lamp(radius, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], GLASS)))
+            }
+            Self::LampBehindTwoPanes => behind_two_panes(radius),
+            Self::Roughness => {
+                let glass = if parameter > 0.0 {
+                    format!(
+                        "<bsdf type='roughdielectric'><float name='alpha' value='{parameter}'/></bsdf>"
+                    )
+                } else {
+                    GLASS.into()
+                };
+                room(&(lamp(0.2, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], &glass)))
+            }
+            Self::Slit => {
+                // A wall across the room, with a slit; the lamp is behind it, out of sight.
+                let half = 0.5 * (2.0 - 0.5 * parameter);
+                let center = 0.25 * parameter + half;
+                let wall = [-center, center].map(|x| {
+                    format!(
+                        "<shape type='rectangle'><transform name='to_world'>
+                           <scale x='{half}' y='2'/><translate x='{x}' y='1.5' z='-0.5'/></transform>
+                           <bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>"
+                    )
+                });
+                room(&(wall.concat() + &lamp(0.1, [1.2, 1.5, -1.2])))
+            }
+        }
+    }
+
+    /// Who makes the reference: whoever finds the light most surely.
+    fn reference(self, effort: Effort) -> Settings {
+        let integrator = match self {
+            Self::LampBehindTwoPanes => Integrator::Pssmlt,
+            Self::Lamp | Self::LampOverGlass | Self::Roughness | Self::Slit => Integrator::Bdpt,
+        };
+        Settings {
+            budget: Budget::SamplesPerPixel(effort.reference * WORK),
+            seed: 1000,
+            ..Settings::new(integrator)
+        }
+    }
+
+    fn rows(self, parameter: f64, effort: Effort) -> Vec<Row<'static>> {
+        let scene = self.scene(parameter);
+        let reference = render(&scene, &self.reference(effort), &Unobserved)
+            .expect("threads")
+            .image;
+        METHODS
+            .map(|integrator| {
+                let (mut error, mut found) = (Moments::default(), Moments::default());
+                for seed in 0..effort.seeds {
+                    let settings = Settings {
+                        budget: Budget::SamplesPerPixel(WORK),
+                        seed,
+                        bootstrap: Some(50_000),
+                        ..Settings::new(integrator)
+                    };
+                    let image = render(&scene, &settings, &Unobserved)
+                        .expect("threads")
+                        .image;
+                    error.add(relative_mse(&image.pixels, &reference.pixels));
+                    found.add(mean(&image.pixels) / mean(&reference.pixels));
+                }
+                let lost = lost_light(&scene, integrator.sampler());
+                Row {
+                    sweep: self,
+                    parameter,
+                    integrator: integrator.name(),
+                    relative_mse: error.mean,
+                    found: found.mean,
+                    found_error: found.standard_error(),
+                    told: lost.iter().map(ToString::to_string).collect(),
+                }
+            })
+            .into()
+    }
+}
+
+fn mean(pixels: &[[f32; 3]]) -> f64 {
+    pixels.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / (3 * pixels.len()) as f64
+}
+
+/// The rows of the ends of a sweep, by integrator: easiest and hardest.
+fn ends(sweep: Sweep, hardest: f64) -> [Vec<Row<'static>>; 2] {
+    [sweep.parameters()[0], hardest].map(|parameter| sweep.rows(parameter, QUICK))
+}
+
+/// Next event estimation does not mind how small a lamp is.
+#[test]
+fn a_shrinking_lamp_costs_nothing_where_it_can_be_joined() {
+    let [large, small] = ends(Sweep::Lamp, 1e-8);
+    for (large, small) in large.iter().zip(&small) {
+        assert!(
+            small.relative_mse < 2.0 * large.relative_mse && (small.found - 1.0).abs() < 0.1,
+            "{}: {} after {}, {} found",
+            small.integrator,
+            small.relative_mse,
+            large.relative_mse,
+            small.found
+        );
+        assert!(small.told.is_empty(), "{:?}", small.told);
+    }
+}
+
+/// Path tracing loses a caustic as the lamp shrinks, and says so. What the others say is about the
+/// floor seen through the ball alone, which is little.
+#[test]
+fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
+    let [path, bdpt, pssmlt] = &Sweep::LampOverGlass.rows(1e-6, QUICK)[..] else {
+        panic!("three methods");
+    };
+    let tells = |row: &Row, text: &str| row.told.iter().any(|told| told.contains(text));
+    let text = "path tracing finds that light only by running into";
+    assert!(tells(path, text), "{:?}", path.told);
+    assert!(path.found < 0.97, "{}", path.found);
+    for row in [bdpt, pssmlt] {
+        let through_the_ball = |told: &String| told.contains("and seen through smooth glass");
+        assert!(row.told.iter().all(through_the_ball), "{:?}", row.told);
+        assert!(
+            (row.found - 1.0).abs() < 0.1,
+            "{}: {}",
+            row.integrator,
+            row.found
+        );
+    }
+}
+
+/// Behind two panes all depends on running into the lamp.
+#[test]
+fn a_lamp_behind_two_panes_is_reported_when_it_is_too_small() {
+    let told = |area| {
+        let scene = Sweep::LampBehindTwoPanes.scene(area);
+        METHODS.map(|integrator| lost_light(&scene, integrator.sampler()).len())
+    };
+    assert_eq!(told(0.1), [0; 3]);
+    let small = told(1e-7);
+    assert!(small.iter().all(|&n| n > 0), "{small:?}");
+}
+
+/// Rough glass that becomes smooth: joins through it give way to what smooth glass allows.
+#[test]
+fn glass_may_become_smooth() {
+    let [rough, smooth] = ends(Sweep::Roughness, 1e-3);
+    for (rough, smooth) in rough.iter().zip(&smooth).skip(1) {
+        assert!(
+            (smooth.found - 1.0).abs() < 0.1,
+            "{}: {}",
+            smooth.integrator,
+            smooth.found
+        );
+        assert!(
+            smooth.relative_mse < 20.0 * rough.relative_mse,
+            "{}: {} after {}",
+            smooth.integrator,
+            smooth.relative_mse,
+            rough.relative_mse
+        );
+    }
+}
+
+/// A closing slit: all methods find the light that is left.
+#[test]
+fn a_slit_may_close() {
+    for row in Sweep::Slit.rows(0.05, QUICK) {
+        assert!(
+            (row.found - 1.0).abs() < (5.0 * row.found_error).max(0.1),
+            "{}: {} +- {}",
+            row.integrator,
+            row.found,
+            row.found_error
+        );
+    }
+}
+
+/// All sweeps, for the charts; takes some minutes.
+#[test]
+#[ignore = "takes minutes: METROLIGHT_FIGURES=target/figures cargo test --release --test stability sweeps -- --ignored"]
+fn all_sweeps() {
+    for sweep in ALL {
+        for parameter in sweep.parameters() {
+            for row in sweep.rows(parameter, FULL) {
+                println!(
+                    "{sweep:?} {parameter:e} {}: relMSE {:.2e}, found {:.3} +- {:.3}, {:?}",
+                    row.integrator, row.relative_mse, row.found, row.found_error, row.told
+                );
+                assert!(row.relative_mse.is_finite());
+                record("sweeps", &row);
+            }
+        }
+    }
+}
