@@ -3,6 +3,8 @@
 
 pub mod figures;
 pub mod tiles;
+pub mod truths;
+pub mod words;
 
 use std::path::Path;
 

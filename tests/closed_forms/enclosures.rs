@@ -1,0 +1,137 @@
+//! Furnaces: inside a closed surface that shines with radiance 1 and reflects rho, the radiance is
+//! 1 + rho + rho^2 + ... everywhere, whatever the shape of the enclosure and whatever lossless things
+//! stand in it.
+
+use glam::{DMat4, DVec3};
+use metrolight::math::Rgb;
+use metrolight::render::Integrator::{self, Bdpt, Light, Path, Pssmlt};
+use metrolight::scene::{Material, Scene, ShapeDescription};
+
+use crate::common::truths::Truths;
+use crate::common::words::{Words, grey, sphere};
+
+/// Textures of [`enclosure`].
+const WALL: u32 = 0;
+const WHITE: u32 = 1;
+
+const DIFFUSE: Material = Material::Diffuse { reflectance: WALL };
+
+/// A metal that reflects all light, or the share of it that a texture says.
+fn mirror(specular_reflectance: u32) -> Material {
+    Material::Conductor {
+        eta: Rgb::ZERO,
+        k: Rgb::ONE,
+        specular_reflectance,
+    }
+}
+
+fn glass(eta: f32) -> Material {
+    Material::Dielectric {
+        eta,
+        specular_reflectance: WHITE,
+        specular_transmittance: WHITE,
+    }
+}
+
+/// 1 + rho + ... + rho^(depth - 1).
+fn radiance(rho: f64, depth: Option<u32>) -> f64 {
+    let left = depth.map_or(0.0, |terms| rho.powi(terms as i32));
+    (1.0 - left) / (1.0 - rho)
+}
+
+/// The inside of a shining sphere, whose texture [`WALL`] is `rho`. With a second material a ball of
+/// it fills half of the view.
+fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
+    let mut shapes = vec![ShapeDescription {
+        flip_normals: true,
+        emission: Some(Rgb::ONE),
+        ..sphere(DVec3::ZERO, 2.0)
+    }];
+    if materials.len() > 1 {
+        shapes.push(ShapeDescription {
+            material: 1,
+            ..sphere(DVec3::new(0.3, 0.4, 0.8), 0.7)
+        });
+    }
+    Words {
+        materials,
+        textures: vec![grey(rho), grey(1.0)],
+        shapes,
+        depth,
+        fov_x: 70.0,
+        camera: DMat4::from_translation(DVec3::new(0.3, -0.2, -1.0)),
+        ..Words::default()
+    }
+    .build()
+}
+
+fn compare(truths: &mut Truths, rho: f64, depth: Option<u32>, methods: &[Integrator], spp: u64) {
+    let scene = enclosure(rho, vec![DIFFUSE], depth);
+    let name = format!("rho {rho}, depth {depth:?}");
+    truths.render(&name, &scene, methods, spp, radiance(rho, depth));
+}
+
+/// Walls of 99% make paths of some hundred edges, and one sample of bidirectional path tracing joins
+/// them in ten thousand ways: that takes an ignored test.
+#[test]
+fn diffuse_walls() {
+    let mut truths = Truths::default();
+    compare(&mut truths, 0.5, None, &Integrator::ALL, 30);
+    compare(&mut truths, 0.9, Some(3), &Integrator::ALL, 30);
+    compare(&mut truths, 0.9, None, &Integrator::ALL, 30);
+    compare(&mut truths, 0.99, None, &[Path, Light], 60);
+    truths.settle(
+        "closed form",
+        "furnace of diffuse walls, albedo to 0.99, unbounded and bounded",
+    );
+}
+
+#[test]
+#[ignore = "takes a few minutes"]
+fn very_white_diffuse_walls_by_bidirectional_methods() {
+    let mut truths = Truths::default();
+    compare(&mut truths, 0.99, None, &[Bdpt, Pssmlt], 8);
+    truths.settle(
+        "closed form",
+        "furnace of diffuse walls, albedo 0.99, by bdpt and pssmlt",
+    );
+}
+
+/// Mirrors that shine reflect only themselves; no light subpath can be joined to them.
+#[test]
+fn mirroring_walls() {
+    let mut truths = Truths::default();
+    for rho in [0.5, 0.9] {
+        let scene = enclosure(rho, vec![mirror(WALL)], None);
+        let methods = [Path, Bdpt, Pssmlt];
+        truths.render(
+            &format!("rho {rho}"),
+            &scene,
+            &methods,
+            30,
+            radiance(rho, None),
+        );
+    }
+    truths.settle("closed form", "furnace of mirroring walls");
+}
+
+/// A ball that loses nothing is invisible between shining walls.
+#[test]
+fn lossless_contents() {
+    let mut truths = Truths::default();
+    for (name, ball) in [
+        ("mirror", mirror(WHITE)),
+        ("white", Material::Diffuse { reflectance: WHITE }),
+        ("glass", glass(1.5)),
+        ("bubble", glass(1.0 / 1.33)),
+        ("matched", glass(1.0)),
+        ("diamond", glass(2.4)),
+    ] {
+        let scene = enclosure(0.6, vec![DIFFUSE, ball], None);
+        truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, radiance(0.6, None));
+    }
+    truths.settle(
+        "closed form",
+        "furnace with a ball of white, mirror or glass",
+    );
+}

@@ -1,0 +1,152 @@
+//! Materials after their published formulas, in f64, and their albedos by brute-force quadrature:
+//! nothing here is shared with the renderer.
+//!
+//! Directions are unit vectors in the frame of the surface, +z the normal, away from the surface.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+/// Fresnel's equations for unpolarised light at `cos` that meets a medium of relative index `eta`
+/// (Born and Wolf, "Principles of Optics", 7th ed., section 1.5.2, with the angles themselves).
+pub fn dielectric_fresnel(cos: f64, eta: f64) -> f64 {
+    let incident = cos.clamp(0.0, 1.0).acos();
+    let sine = incident.sin() / eta;
+    if sine >= 1.0 {
+        return 1.0;
+    }
+    if incident < 1e-6 {
+        return ((eta - 1.0) / (eta + 1.0)).powi(2);
+    }
+    let refracted = sine.asin();
+    let perpendicular = (incident - refracted).sin() / (incident + refracted).sin();
+    let parallel = (incident - refracted).tan() / (incident + refracted).tan();
+    0.5 * (perpendicular.powi(2) + parallel.powi(2))
+}
+
+/// The same for a metal of index n + i k, in complex numbers (Born and Wolf, section 14.2): with
+/// q = sqrt((n + ik)^2 - sin^2), r_s = (cos - q)/(cos + q) and r_p = (m^2 cos - q)/(m^2 cos + q).
+pub fn conductor_fresnel(cos: f64, n: f64, k: f64) -> f64 {
+    let index2 = [n * n - k * k, 2.0 * n * k];
+    let (real, imaginary) = (index2[0] - 1.0 + cos * cos, index2[1]);
+    let modulus = real.hypot(imaginary);
+    let q = [(0.5 * (modulus + real)).max(0.0).sqrt(), (0.5 * (modulus - real)).max(0.0).sqrt()];
+    let ratio = |a: [f64; 2]| {
+        let difference = (a[0] - q[0]).hypot(a[1] - q[1]);
+        (difference / (a[0] + q[0]).hypot(a[1] + q[1])).powi(2)
+    };
+    0.5 * (ratio([cos, 0.0]) + ratio(index2.map(|part| part * cos)))
+}
+
+/// Statistics of a rough surface (Walter et al. 2007, "Microfacet models for refraction through rough
+/// surfaces").
+#[derive(Clone, Copy)]
+pub enum Facets {
+    Beckmann(f64),
+    Ggx(f64),
+}
+
+impl Facets {
+    /// D(m): equations 25 and 33.
+    fn density(self, m: DVec3) -> f64 {
+        let tan2 = (1.0 - m.z * m.z).max(0.0) / (m.z * m.z);
+        match self {
+            Self::Beckmann(a) => (-tan2 / (a * a)).exp() / (PI * a * a * m.z.powi(4)),
+            Self::Ggx(a) => a * a / (PI * m.z.powi(4) * (a * a + tan2).powi(2)),
+        }
+    }
+
+    /// Smith's G1 of a direction on either side: Beckmann's before its approximation, equations 26
+    /// and 34.
+    fn masking(self, v: DVec3) -> f64 {
+        let tan = (1.0 - v.z * v.z).max(0.0).sqrt() / v.z.abs();
+        if tan == 0.0 {
+            return 1.0;
+        }
+        match self {
+            Self::Beckmann(alpha) => {
+                let a = 1.0 / (alpha * tan);
+                2.0 / (1.0 + libm::erf(a) + (-a * a).exp() / (a * PI.sqrt()))
+            }
+            Self::Ggx(alpha) => 2.0 / (1.0 + (1.0 + (alpha * tan).powi(2)).sqrt()),
+        }
+    }
+
+    /// Reflection, 1/sr: equation 20, with the reflectance `fresnel` of a cosine.
+    pub fn reflect(self, light: DVec3, camera: DVec3, fresnel: impl Fn(f64) -> f64) -> f64 {
+        if light.z * camera.z <= 0.0 {
+            return 0.0;
+        }
+        let m = (light + camera).normalize();
+        let m = if m.z < 0.0 { -m } else { m };
+        let masking = self.masking(light) * self.masking(camera);
+        fresnel(light.dot(m).abs()) * self.density(m) * masking
+            / (4.0 * (light.z * camera.z).abs())
+    }
+
+    /// Refraction of radiance from `light` to `camera` on opposite sides: equation 21, with i = camera
+    /// and o = light, and then radiance turned around by f(l, c)/n_c^2 = f(c, l)/n_l^2 (Veach 1997,
+    /// eq. 5.14). `eta` is the index of the light's side over that of the camera's.
+    fn refract(self, light: DVec3, camera: DVec3, eta: f64) -> f64 {
+        if light.z * camera.z >= 0.0 {
+            return 0.0;
+        }
+        let m = -(camera + eta * light).normalize_or_zero();
+        let m = if m.z < 0.0 { -m } else { m };
+        let (light_m, camera_m) = (light.dot(m), camera.dot(m));
+        if light_m * light.z <= 0.0 || camera_m * camera.z <= 0.0 {
+            return 0.0;
+        }
+        let masking = self.masking(light) * self.masking(camera);
+        let transmittance = 1.0 - dielectric_fresnel(camera_m.abs(), eta);
+        let from_camera = (light_m * camera_m).abs() * eta * eta * transmittance * masking
+            * self.density(m)
+            / ((light.z * camera.z).abs() * (camera_m + eta * light_m).powi(2));
+        from_camera / (eta * eta)
+    }
+
+    /// Both, for radiance through a rough interface of index `eta` (+z outside, index 1).
+    pub fn interface(self, light: DVec3, camera: DVec3, eta: f64) -> f64 {
+        let across = if camera.z > 0.0 { eta } else { 1.0 / eta };
+        self.reflect(light, camera, |cos| dielectric_fresnel(cos, across))
+            + self.refract(light, camera, across)
+    }
+
+    /// Share of power that the interface lets through from `from`: the transmission of
+    /// [`Self::interface`] as power, without the change of radiance by index.
+    pub fn transmitted_share(self, from: DVec3, eta: f64) -> f64 {
+        let across = if from.z > 0.0 { eta } else { 1.0 / eta };
+        albedo(from, |to, from| across * across * self.refract(to, from, across))
+    }
+}
+
+/// Share of uniform diffuse light inside a smooth boundary of relative index `eta` that it reflects
+/// back: 2 int F(cos, 1/eta) cos dcos, by midpoints over the angle.
+pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
+    const STEPS: u32 = 20_000;
+    let step = 0.5 * PI / f64::from(STEPS);
+    (0..STEPS)
+        .map(|i| {
+            let angle = (f64::from(i) + 0.5) * step;
+            dielectric_fresnel(angle.cos(), 1.0 / eta) * (2.0 * angle).sin() * step
+        })
+        .sum()
+}
+
+/// Integral of f(to, `from`) |cos| over the whole sphere of directions `to`, by midpoints in polar
+/// angle and azimuth.
+pub fn albedo(from: DVec3, f: impl Fn(DVec3, DVec3) -> f64) -> f64 {
+    const STEPS: u32 = 500;
+    let step = PI / f64::from(STEPS);
+    let mut sum = 0.0;
+    for i in 0..STEPS {
+        let (sin, cos) = ((f64::from(i) + 0.5) * step).sin_cos();
+        // `from` lies in the plane y = 0, in which everything is symmetric.
+        for j in 0..STEPS {
+            let (sin_phi, cos_phi) = ((f64::from(j) + 0.5) * step).sin_cos();
+            let to = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+            sum += f(to, from) * cos.abs() * sin;
+        }
+    }
+    2.0 * sum * step * step
+}

@@ -1,0 +1,137 @@
+//! Means of images that are known exactly.
+//!
+//! Null hypothesis, for each comparison: the mean over independent seeds is the truth. Student's test
+//! for each, Holm's correction over all that are settled together; a correct program fails one such
+//! set with probability ALPHA for a new choice of seeds. Nothing is rescaled.
+
+use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::scene::Scene;
+use metrolight::statistics::{Moments, holm, welch};
+
+use super::figures::{Accuracy, record};
+
+const ALPHA: f64 = 1e-4;
+
+/// Estimators without variance differ from the truth by rounding alone: less than this, relatively.
+const ROUNDING: f64 = 1e-4;
+
+/// Independent images per comparison: enough that the tails of Student's distribution are thin.
+const SEEDS: u64 = 32;
+
+/// Comparisons that are judged together.
+#[derive(Default)]
+pub struct Truths {
+    rows: Vec<Row>,
+}
+
+struct Row {
+    name: String,
+    found: Moments,
+    truth: f64,
+}
+
+impl Row {
+    fn deviation(&self) -> f64 {
+        self.found.mean / self.truth - 1.0
+    }
+
+    fn relative_error(&self) -> f64 {
+        self.found.standard_error() / self.truth
+    }
+
+    /// A test against a sample without variance.
+    fn p_value(&self) -> f64 {
+        if self.deviation().abs() < ROUNDING {
+            return 1.0;
+        }
+        let exact = Moments::from_summary(self.found.count, self.truth, 0.0);
+        welch(&self.found, &exact)
+    }
+}
+
+impl Truths {
+    /// Compares the mean of `scene`'s image with `truth`, for each of `integrators`.
+    pub fn render(
+        &mut self,
+        name: &str,
+        scene: &Scene,
+        integrators: &[Integrator],
+        spp: u64,
+        truth: f64,
+    ) {
+        for &integrator in integrators {
+            let found = means(scene, integrator, spp);
+            self.compare(format!("{name}, {}", integrator.name()), found, truth);
+        }
+    }
+
+    /// Compares a mean with `truth`.
+    pub fn compare(&mut self, name: String, found: Moments, truth: f64) {
+        self.rows.push(Row { name, found, truth });
+    }
+
+    /// Asserts that all comparisons hold, and records the row `case` of the table of accuracy.
+    pub fn settle(self, oracle: &str, case: &str) {
+        let p_values: Vec<f64> = self.rows.iter().map(Row::p_value).collect();
+        for (p, row) in holm(&p_values).iter().zip(&self.rows) {
+            let Row { name, found, truth } = row;
+            let error = found.standard_error();
+            println!(
+                "{name}: {} +- {error}, truth {truth}, p = {p:e}",
+                found.mean
+            );
+        }
+        for (p, row) in holm(&p_values).iter().zip(&self.rows) {
+            let Row { name, found, truth } = row;
+            assert!(
+                *p > ALPHA,
+                "{name}: {} +- {}, truth {truth}, p = {p:e}",
+                found.mean,
+                found.standard_error()
+            );
+        }
+        let greatest = |f: fn(&Row) -> f64| self.rows.iter().map(f).fold(0.0, f64::max);
+        record(
+            "accuracy",
+            &Accuracy {
+                oracle,
+                case,
+                found: format!(
+                    "{} means, farthest {:.2}% off; standard errors up to {:.2}%",
+                    self.rows.len(),
+                    100.0 * greatest(|row| row.deviation().abs()),
+                    100.0 * greatest(Row::relative_error),
+                ),
+                demanded: format!("no mean differs: t-tests, p > {ALPHA:e} after Holm"),
+            },
+        );
+    }
+}
+
+/// Moments over seeds of the mean of the green channel over all pixels.
+pub fn means(scene: &Scene, integrator: Integrator, spp: u64) -> Moments {
+    images(scene, integrator, spp)
+        .map(|rendering| {
+            let pixels = &rendering.image.pixels;
+            pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / pixels.len() as f64
+        })
+        .collect()
+}
+
+/// Renderings of `scene` with different seeds.
+pub fn images(
+    scene: &Scene,
+    integrator: Integrator,
+    spp: u64,
+) -> impl Iterator<Item = metrolight::render::Rendering> {
+    (0..SEEDS).map(move |seed| {
+        let settings = Settings {
+            budget: Budget::SamplesPerPixel(spp),
+            seed,
+            chains: 16,
+            bootstrap: Some(2_000),
+            ..Settings::new(integrator)
+        };
+        render(scene, &settings, &Unobserved).expect("threads")
+    })
+}
