@@ -78,7 +78,7 @@ fn diffuse_walls() {
     let mut truths = Truths::default();
     compare(&mut truths, 0.5, None, &Integrator::ALL, 30);
     compare(&mut truths, 0.9, Some(3), &Integrator::ALL, 30);
-    compare(&mut truths, 0.9, None, &Integrator::ALL, 30);
+    compare(&mut truths, 0.9, None, &Integrator::ALL, 15);
     compare(&mut truths, 0.99, None, &[Path, Light], 60);
     truths.settle(
         "closed form",
@@ -128,7 +128,7 @@ fn lossless_contents() {
         ("diamond", glass(2.4)),
     ] {
         let scene = enclosure(0.6, vec![DIFFUSE, ball], None);
-        truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, radiance(0.6, None));
+        truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 20, radiance(0.6, None));
     }
     truths.settle(
         "closed form",

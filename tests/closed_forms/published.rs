@@ -30,7 +30,10 @@ pub fn conductor_fresnel(cos: f64, n: f64, k: f64) -> f64 {
     let index2 = [n * n - k * k, 2.0 * n * k];
     let (real, imaginary) = (index2[0] - 1.0 + cos * cos, index2[1]);
     let modulus = real.hypot(imaginary);
-    let q = [(0.5 * (modulus + real)).max(0.0).sqrt(), (0.5 * (modulus - real)).max(0.0).sqrt()];
+    let q = [
+        (0.5 * (modulus + real)).max(0.0).sqrt(),
+        (0.5 * (modulus - real)).max(0.0).sqrt(),
+    ];
     let ratio = |a: [f64; 2]| {
         let difference = (a[0] - q[0]).hypot(a[1] - q[1]);
         (difference / (a[0] + q[0]).hypot(a[1] + q[1])).powi(2)
@@ -80,18 +83,16 @@ impl Facets {
         let m = (light + camera).normalize();
         let m = if m.z < 0.0 { -m } else { m };
         let masking = self.masking(light) * self.masking(camera);
-        fresnel(light.dot(m).abs()) * self.density(m) * masking
-            / (4.0 * (light.z * camera.z).abs())
+        fresnel(light.dot(m).abs()) * self.density(m) * masking / (4.0 * (light.z * camera.z).abs())
     }
 
-    /// Refraction of radiance from `light` to `camera` on opposite sides: equation 21, with i = camera
-    /// and o = light, and then radiance turned around by f(l, c)/n_c^2 = f(c, l)/n_l^2 (Veach 1997,
-    /// eq. 5.14). `eta` is the index of the light's side over that of the camera's.
+    /// Refraction of radiance from `light` to `camera` on opposite sides: equation 21 with i = light,
+    /// o = camera. `eta` is the index of the light's side over that of the camera's.
     fn refract(self, light: DVec3, camera: DVec3, eta: f64) -> f64 {
         if light.z * camera.z >= 0.0 {
             return 0.0;
         }
-        let m = -(camera + eta * light).normalize_or_zero();
+        let m = (camera + eta * light).normalize_or_zero();
         let m = if m.z < 0.0 { -m } else { m };
         let (light_m, camera_m) = (light.dot(m), camera.dot(m));
         if light_m * light.z <= 0.0 || camera_m * camera.z <= 0.0 {
@@ -99,10 +100,8 @@ impl Facets {
         }
         let masking = self.masking(light) * self.masking(camera);
         let transmittance = 1.0 - dielectric_fresnel(camera_m.abs(), eta);
-        let from_camera = (light_m * camera_m).abs() * eta * eta * transmittance * masking
-            * self.density(m)
-            / ((light.z * camera.z).abs() * (camera_m + eta * light_m).powi(2));
-        from_camera / (eta * eta)
+        (light_m * camera_m).abs() * transmittance * masking * self.density(m)
+            / ((light.z * camera.z).abs() * (eta * light_m + camera_m).powi(2))
     }
 
     /// Both, for radiance through a rough interface of index `eta` (+z outside, index 1).
@@ -112,16 +111,45 @@ impl Facets {
             + self.refract(light, camera, across)
     }
 
-    /// Share of power that the interface lets through from `from`: the transmission of
-    /// [`Self::interface`] as power, without the change of radiance by index.
-    pub fn transmitted_share(self, from: DVec3, eta: f64) -> f64 {
-        let across = if from.z > 0.0 { eta } else { 1.0 / eta };
-        albedo(from, |to, from| across * across * self.refract(to, from, across))
+    /// Share of the power from `from` that a rough interface of index `eta` reflects.
+    fn reflected_share(self, from: DVec3, eta: f64) -> f64 {
+        albedo(from, |to, from| {
+            self.reflect(to, from, |cos| dielectric_fresnel(cos, eta))
+        })
+    }
+
+    /// Share of the power from `from` that it lets through. By reciprocity the radiance that goes
+    /// the other way, over the square of the index that it gains (Veach 1997, eq. 5.14).
+    fn transmitted_share(self, from: DVec3, eta: f64) -> f64 {
+        albedo(from, |to, from| eta * eta * self.refract(to, from, eta))
+    }
+
+    /// Mitsuba's rough plastic: reflection by the coat, and the body behind it with the albedo `rho`,
+    /// f = T(l) T(c) rho / (pi eta^2 (1 - again)), where T is the coat's transmitted share and what it
+    /// reflects back inside takes on the colour of the body each time.
+    pub fn nonlinear_plastic(self, rho: f64, eta: f64, from: DVec3) -> f64 {
+        let coat = self.reflected_share(from, eta);
+        let through = 2.0 * cosine_mean(|from| self.transmitted_share(from, eta));
+        let inside = 2.0 * cosine_mean(|from| self.reflected_share(from, 1.0 / eta));
+        let body = rho / (eta * eta * (1.0 - rho * inside));
+        coat + self.transmitted_share(from, eta) * body * through
     }
 }
 
-/// Share of uniform diffuse light inside a smooth boundary of relative index `eta` that it reflects
-/// back: 2 int F(cos, 1/eta) cos dcos, by midpoints over the angle.
+/// Integral of `f` times the cosine over the cosine, from 0 to 1.
+fn cosine_mean(f: impl Fn(DVec3) -> f64) -> f64 {
+    const STEPS: u32 = 32;
+    let step = 0.5 * PI / f64::from(STEPS);
+    (0..STEPS)
+        .map(|i| {
+            let (sin, cos) = ((f64::from(i) + 0.5) * step).sin_cos();
+            f(DVec3::new(sin, 0.0, cos)) * cos * sin * step
+        })
+        .sum()
+}
+
+/// Share of uniform diffuse light inside a smooth boundary of index `eta` that it reflects back:
+/// 2 int F(cos, 1/eta) cos dcos, by midpoints over the angle.
 pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
     const STEPS: u32 = 20_000;
     let step = 0.5 * PI / f64::from(STEPS);
@@ -136,7 +164,7 @@ pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
 /// Integral of f(to, `from`) |cos| over the whole sphere of directions `to`, by midpoints in polar
 /// angle and azimuth.
 pub fn albedo(from: DVec3, f: impl Fn(DVec3, DVec3) -> f64) -> f64 {
-    const STEPS: u32 = 500;
+    const STEPS: u32 = 300;
     let step = PI / f64::from(STEPS);
     let mut sum = 0.0;
     for i in 0..STEPS {
