@@ -1,0 +1,259 @@
+//! The light transport operator of a diffuse room, discretised and solved, against the renderer.
+//!
+//! Radiance obeys L = Le + T L (Kajiya 1986; Veach 1997, section 4.3), so L = Le + T Le + T^2 Le + ...,
+//! and paths of at most k edges carry the first k terms. Between diffuse patches T is a matrix of
+//! albedos and form factors. These are found in closed form, with what a block hides cut out of them:
+//! no ray is traced, no number is random, and nothing but the room's corners and colours is shared with
+//! the renderer. Its error falls as the square of the patches' size; two sizes give the limit
+//! (Richardson 1911).
+//!
+//! Null hypothesis, for every tile, channel, depth and integrator: the mean over independent seeds is
+//! that limit, give or take what is known of its error. Student's test for each, and one for the whole
+//! of each image; Holm's correction over all. A correct program fails with probability ALPHA for a
+//! new choice of seeds.
+
+mod common;
+
+#[path = "operator/form_factors.rs"]
+mod form_factors;
+#[path = "operator/room.rs"]
+mod room;
+#[path = "operator/views.rs"]
+mod views;
+
+use common::figures::{Accuracy, record};
+use glam::DVec3;
+use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::statistics::{Moments, holm, welch};
+use room::{Color, Solution};
+use views::{View, views};
+
+use Integrator::{Bdpt, Path, Pssmlt};
+
+const ALPHA: f64 = 1e-3;
+const SEEDS: u64 = 32;
+const DEPTHS: [Option<u32>; 6] = [Some(1), Some(2), Some(3), Some(4), Some(6), None];
+
+/// Patches along the width of the room.
+const RESOLUTIONS: [usize; 2] = [8, 16];
+
+/// Points along each side of a tile that its mean is made of.
+const POINTS: u32 = 6;
+
+/// Relative error that the limit from 8 and 16 patches along the room may have: the greatest difference to
+/// that from 16 and 32 is 0.03%.
+const LIMIT_ERROR: f64 = 5e-4;
+
+/// By tile and depth, the limit of two solutions whose errors are as 4 to 1.
+fn limit(view: &View, [coarse, fine]: [&Solution; 2], points: u32) -> Vec<Vec<Color>> {
+    let [coarse, fine] = [coarse, fine].map(|s| view.tile_means(s, &DEPTHS, points));
+    let extrapolate = |c: &[Color], f: &[Color]| -> Vec<Color> {
+        c.iter().zip(f).map(|(c, f)| (4.0 * f - c) / 3.0).collect()
+    };
+    coarse
+        .iter()
+        .zip(&fine)
+        .map(|(c, f)| extrapolate(c, f))
+        .collect()
+}
+
+/// A mean, what it should be, and where.
+struct Comparison {
+    name: String,
+    found: Moments,
+    truth: f64,
+    whole_image: bool,
+}
+
+impl Comparison {
+    fn p_value(&self) -> f64 {
+        // Light of exactly 0, such as direct light on the lamp's own plane.
+        if self.truth < 1e-12 {
+            return if self.found.mean == 0.0 { 1.0 } else { 0.0 };
+        }
+        let off = (self.found.mean / self.truth - 1.0).clamp(-LIMIT_ERROR, LIMIT_ERROR);
+        let exact = Moments::from_summary(self.found.count, self.truth * (1.0 + off), 0.0);
+        welch(&self.found, &exact)
+    }
+
+    fn relative_error(&self) -> f64 {
+        self.found.standard_error() / self.truth
+    }
+}
+
+/// Renders one view and compares all tiles, and the sum of them.
+fn compare(
+    view: &View,
+    (depth, truth): (Option<u32>, &[Color]),
+    integrator: Integrator,
+    spp: u64,
+    into: &mut Vec<Comparison>,
+) {
+    let scene = view.scene(depth);
+    let truth: Vec<f64> = truth.iter().flat_map(|color| color.to_array()).collect();
+    let mut tiles = vec![Moments::default(); truth.len()];
+    let mut whole = Moments::default();
+    for seed in 0..SEEDS {
+        let settings = Settings {
+            budget: Budget::SamplesPerPixel(spp),
+            seed,
+            chains: 16,
+            bootstrap: Some(2_000),
+            ..Settings::new(integrator)
+        };
+        let image = render(&scene, &settings, &Unobserved)
+            .expect("threads")
+            .image;
+        let values: Vec<f64> = image
+            .pixels
+            .iter()
+            .flatten()
+            .map(|&v| f64::from(v))
+            .collect();
+        whole.add(values.iter().sum());
+        for (moments, value) in tiles.iter_mut().zip(values) {
+            moments.add(value);
+        }
+    }
+    let name = format!("{}, {}, depth {depth:?}", view.name, integrator.name());
+    into.push(Comparison {
+        name: format!("{name}, all tiles"),
+        found: whole,
+        truth: truth.iter().sum(),
+        whole_image: true,
+    });
+    for (i, (found, truth)) in tiles.into_iter().zip(truth).enumerate() {
+        into.push(Comparison {
+            name: format!("{name}, tile {}, channel {}", i / 3, i % 3),
+            found,
+            truth,
+            whole_image: false,
+        });
+    }
+}
+
+/// All views, depths and integrators, with `effort` times the samples.
+fn assert_operator(effort: u64, case: &str) {
+    let [coarse, fine] = RESOLUTIONS.map(Solution::new);
+    let mut comparisons = Vec::new();
+    for view in &views() {
+        let truth = limit(view, [&coarse, &fine], POINTS);
+        for (i, depth) in DEPTHS.into_iter().enumerate() {
+            let truth: Vec<Color> = truth.iter().map(|tile| tile[i]).collect();
+            if truth.iter().all(|color| *color == DVec3::ZERO) {
+                continue;
+            }
+            for (integrator, spp) in [(Path, 150), (Bdpt, 40), (Pssmlt, 60)] {
+                let spp = spp * effort;
+                compare(view, (depth, &truth), integrator, spp, &mut comparisons);
+            }
+        }
+    }
+    let adjusted = holm(
+        &comparisons
+            .iter()
+            .map(Comparison::p_value)
+            .collect::<Vec<_>>(),
+    );
+    for (p, c) in adjusted.iter().zip(&comparisons) {
+        let off = c.found.mean / c.truth - 1.0;
+        let error = c.relative_error();
+        if c.whole_image {
+            println!(
+                "{}: {:.3}% +- {:.3}%, p = {p:e}",
+                c.name,
+                100.0 * off,
+                100.0 * error
+            );
+        }
+        assert!(*p > ALPHA, "{}: off by {off} +- {error}, p = {p:e}", c.name);
+    }
+    report(case, &comparisons);
+}
+
+fn report(case: &str, comparisons: &[Comparison]) {
+    let lit = comparisons.iter().filter(|c| c.truth >= 1e-12);
+    let (whole, tiles): (Vec<_>, Vec<_>) = lit.partition(|c| c.whole_image);
+    let median = |mut errors: Vec<f64>| {
+        errors.sort_by(f64::total_cmp);
+        100.0 * errors[errors.len() / 2]
+    };
+    let error = |of: &[&Comparison]| median(of.iter().map(|c| c.relative_error()).collect());
+    let off = |of: &[&Comparison]| {
+        median(
+            of.iter()
+                .map(|c| (c.found.mean / c.truth - 1.0).abs())
+                .collect(),
+        )
+    };
+    record(
+        "accuracy",
+        &Accuracy {
+            oracle: "transport operator",
+            case,
+            found: format!(
+                "median deviation of {} tiles {:.2}% (standard error {:.2}%), of {} images {:.3}% \
+                 (standard error {:.3}%)",
+                tiles.len(),
+                off(&tiles),
+                error(&tiles),
+                whole.len(),
+                off(&whole),
+                error(&whole)
+            ),
+            demanded: format!("no mean differs: t-tests, p > {ALPHA:e} after Holm"),
+        },
+    );
+}
+
+/// Form factors from a point add up to 1 in a closed room; they are exact but for rounding.
+#[test]
+fn form_factors_add_up() {
+    let error = Solution::new(8).closure_error();
+    assert!(error < 1e-12, "{error:e}");
+}
+
+/// Twice as many patches and points move the limit of no tile by more than LIMIT_ERROR.
+#[test]
+#[ignore = "takes two minutes"]
+fn the_limit_is_reached() {
+    let [coarse, fine] = RESOLUTIONS.map(Solution::new);
+    let finest = Solution::new(2 * RESOLUTIONS[1]);
+    let mut greatest = 0.0_f64;
+    for view in &views() {
+        let first = limit(view, [&coarse, &fine], POINTS);
+        let second = limit(view, [&fine, &finest], 2 * POINTS);
+        let colors = first.iter().flatten().zip(second.iter().flatten());
+        for (first, second) in colors.flat_map(|(a, b)| a.to_array().into_iter().zip(b.to_array()))
+        {
+            if second > 1e-12 {
+                greatest = greatest.max((first / second - 1.0).abs());
+            }
+        }
+        println!("{}: {greatest:e}", view.name);
+    }
+    record(
+        "accuracy",
+        &Accuracy {
+            oracle: "transport operator",
+            case: "limit from 8 and 16 patches a side against that from 16 and 32",
+            found: format!("no tile differs by more than {:.3}%", 100.0 * greatest),
+            demanded: format!("{:.2}%", 100.0 * LIMIT_ERROR),
+        },
+    );
+    assert!(greatest < LIMIT_ERROR, "{greatest:e}");
+}
+
+#[test]
+fn tiles_of_a_room() {
+    assert_operator(
+        1,
+        "room with a block, depths 1 to unbounded, path, bdpt, pssmlt",
+    );
+}
+
+#[test]
+#[ignore = "takes ten minutes"]
+fn tiles_of_a_room_at_length() {
+    assert_operator(25, "the same, 25 times the samples");
+}

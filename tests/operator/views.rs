@@ -1,0 +1,144 @@
+//! Cameras that face a wall squarely. A pinhole sees the parts of a plane across its axis in
+//! proportion to their areas, so a pixel with a box filter is the mean radiance of one rectangle of
+//! the wall.
+
+use glam::DVec3;
+use metrolight::math::Rgb;
+use metrolight::scene::{Material, Scene, ShapeDescription, Texture};
+
+use super::room::{Color, Solution, Surface, surfaces};
+use crate::common::words::{Words, look_at, parallelogram};
+
+/// A window on a wall and the pixels it is divided into.
+pub struct View {
+    pub name: &'static str,
+    center: DVec3,
+    /// Unit, from the wall into the room.
+    normal: DVec3,
+    /// Unit, along the columns.
+    up: DVec3,
+    /// Width and height of the window, in the room's widths.
+    size: [f64; 2],
+    /// From the wall to the camera.
+    distance: f64,
+    /// Columns and rows; pixels are square.
+    pub tiles: [u32; 2],
+}
+
+/// Nothing stands between these windows and their cameras.
+pub fn views() -> [View; 3] {
+    [
+        View {
+            name: "floor beside the block",
+            center: DVec3::new(0.1875, 0.0, 0.5),
+            normal: DVec3::Y,
+            up: DVec3::NEG_X,
+            size: [1.0, 0.375],
+            distance: 0.4,
+            tiles: [8, 3],
+        },
+        View {
+            name: "wall behind the block",
+            center: DVec3::new(0.0, 0.5, 0.5),
+            normal: DVec3::X,
+            up: DVec3::Y,
+            size: [1.0, 1.0],
+            distance: 0.37,
+            tiles: [4, 4],
+        },
+        View {
+            name: "ceiling around the lamp",
+            center: DVec3::new(0.5, 1.0, 0.5),
+            normal: DVec3::NEG_Y,
+            up: DVec3::Z,
+            size: [1.0, 1.0],
+            distance: 0.45,
+            tiles: [4, 4],
+        },
+    ]
+}
+
+impl View {
+    /// The room, seen so. Its walls are the only thing that oracle and renderer share.
+    pub fn scene(&self, depth: Option<u32>) -> Scene {
+        let mut words = Words {
+            depth,
+            fov_x: 2.0 * (0.5 * self.size[0] / self.distance).atan().to_degrees(),
+            camera: look_at(
+                self.center + self.normal * self.distance,
+                self.center,
+                self.up,
+            ),
+            film: self.tiles,
+            ..Words::default()
+        };
+        for (i, surface) in (0..).zip(&surfaces()) {
+            let rectangle = &surface.rectangle;
+            words.textures.push(Texture::Constant(rgb(surface.albedo)));
+            words.materials.push(Material::Diffuse { reflectance: i });
+            words.shapes.push(ShapeDescription {
+                material: i,
+                emission: (surface.emission != DVec3::ZERO).then(|| rgb(surface.emission)),
+                ..parallelogram(rectangle.corner, rectangle.a, rectangle.b)
+            });
+        }
+        words.build()
+    }
+
+    /// Mean radiance of every pixel, from the top left in rows, for each of `depths`; by midpoints on
+    /// a grid of `n` x `n` a pixel.
+    pub fn tile_means(
+        &self,
+        solution: &Solution,
+        depths: &[Option<u32>],
+        n: u32,
+    ) -> Vec<Vec<Color>> {
+        use rayon::prelude::*;
+        let surfaces = surfaces();
+        let [columns, rows] = self.tiles;
+        (0..columns * rows)
+            .into_par_iter()
+            .map(|tile| {
+                let mut means = vec![DVec3::ZERO; depths.len()];
+                for i in 0..n * n {
+                    let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+                    let x = f64::from(tile % columns) + within(i % n);
+                    let y = f64::from(tile / columns) + within(i / n);
+                    let point = self.point(x / f64::from(columns), y / f64::from(rows));
+                    let surface = surface_at(&surfaces, point, self.normal);
+                    let radiance = solution.radiance(surface, point, depths);
+                    for (mean, value) in means.iter_mut().zip(radiance) {
+                        *mean += value / f64::from(n * n);
+                    }
+                }
+                means
+            })
+            .collect()
+    }
+
+    /// The point of the wall seen at (x, y) of the film as a unit square, y down.
+    fn point(&self, x: f64, y: f64) -> DVec3 {
+        let right = self.up.cross(self.normal);
+        self.center + right * ((x - 0.5) * self.size[0]) + self.up * ((0.5 - y) * self.size[1])
+    }
+}
+
+fn rgb(color: Color) -> Rgb {
+    color.as_vec3().into()
+}
+
+/// The surface of the given normal that holds `point`.
+fn surface_at(surfaces: &[Surface], point: DVec3, normal: DVec3) -> &Surface {
+    surfaces
+        .iter()
+        .find(|surface| {
+            let rectangle = &surface.rectangle;
+            let offset = point - rectangle.corner;
+            let along = |side: DVec3| offset.dot(side) / side.length_squared();
+            rectangle.normal().dot(normal) > 0.99
+                && offset.dot(normal).abs() < 1e-9
+                && (0.0..=1.0).contains(&along(rectangle.a))
+                && (0.0..=1.0).contains(&along(rectangle.b))
+        })
+        .expect("a window lies on surfaces")
+}
