@@ -5,7 +5,7 @@
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::render::Integrator::{self, Bdpt, Light, Path, Pssmlt};
-use metrolight::scene::{Material, Scene, ShapeDescription};
+use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
 
 use crate::common::truths::Truths;
 use crate::common::words::{Words, grey, sphere};
@@ -115,18 +115,23 @@ fn mirroring_walls() {
     truths.settle("closed form", "furnace of mirroring walls");
 }
 
-/// A ball that loses nothing is invisible between shining walls.
-#[test]
-fn lossless_contents() {
-    let mut truths = Truths::default();
-    for (name, ball) in [
+/// What loses nothing.
+fn lossless() -> [(&'static str, Material); 5] {
+    [
         ("mirror", mirror(WHITE)),
-        ("white", Material::Diffuse { reflectance: WHITE }),
         ("glass", glass(1.5)),
         ("bubble", glass(1.0 / 1.33)),
         ("matched", glass(1.0)),
         ("diamond", glass(2.4)),
-    ] {
+    ]
+}
+
+/// A ball that loses nothing is invisible between shining walls.
+#[test]
+fn lossless_contents() {
+    let mut truths = Truths::default();
+    let white = ("white", Material::Diffuse { reflectance: WHITE });
+    for (name, ball) in lossless().into_iter().chain([white]) {
         let scene = enclosure(0.6, vec![DIFFUSE, ball], None);
         truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 20, radiance(0.6, None));
     }
@@ -134,4 +139,26 @@ fn lossless_contents() {
         "closed form",
         "furnace with a ball of white, mirror or glass",
     );
+}
+
+/// And under an even sky: what refraction adds to radiance on entering it takes away on leaving.
+#[test]
+fn lossless_balls_under_an_even_sky() {
+    let mut truths = Truths::default();
+    for (name, ball) in lossless() {
+        let scene = Words {
+            materials: vec![ball],
+            textures: vec![grey(1.0), grey(1.0)],
+            shapes: vec![sphere(DVec3::ZERO, 1.0)],
+            emitters: vec![EmitterDescription::Constant {
+                radiance: Rgb::splat(0.8),
+            }],
+            fov_x: 40.0,
+            camera: DMat4::from_translation(DVec3::new(0.0, 0.0, -4.0)),
+            ..Words::default()
+        }
+        .build();
+        truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, 0.8);
+    }
+    truths.settle("closed form", "a ball of mirror or glass under an even sky");
 }

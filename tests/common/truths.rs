@@ -15,6 +15,9 @@ const ALPHA: f64 = 1e-4;
 /// Estimators without variance differ from the truth by rounding alone: less than this, relatively.
 const ROUNDING: f64 = 1e-4;
 
+/// A mean with a greater relative standard error proves nothing, and fails.
+const GREATEST_ERROR: f64 = 0.02;
+
 /// Independent images per comparison: enough that the tails of Student's distribution are thin.
 const SEEDS: u64 = 32;
 
@@ -97,19 +100,15 @@ impl Truths {
             let Row {
                 name, found, truth, ..
             } = row;
-            let error = found.standard_error();
-            println!(
-                "{name}: {} +- {error}, truth {truth}, p = {p:e}",
-                found.mean
-            );
-        }
-        for (p, row) in holm(&p_values).iter().zip(&self.rows) {
-            let Row {
-                name, found, truth, ..
-            } = row;
             assert!(
                 *p > ALPHA,
                 "{name}: {} +- {}, truth {truth}, p = {p:e}",
+                found.mean,
+                found.standard_error()
+            );
+            assert!(
+                row.relative_error() < GREATEST_ERROR,
+                "{name}: {} +- {} is too uncertain",
                 found.mean,
                 found.standard_error()
             );

@@ -110,10 +110,10 @@ pub fn block() -> Vec<Rectangle> {
     ]
 }
 
-/// Radiance on patches: L = sum of T^i Le, by collocation at the centres of the patches.
+/// Reflected radiance on patches, T Le + T^2 Le + ..., by collocation at the centres of the patches.
 pub struct Solution {
     patches: Vec<Rectangle>,
-    /// After 1, 2, ... terms: the radiance of every patch from paths of at most so many edges.
+    /// After 0, 1, ... terms: the radiance that every patch reflects of paths of at most one edge more.
     partial_sums: Vec<Vec<Color>>,
     block: Vec<Rectangle>,
 }
@@ -145,14 +145,18 @@ impl Solution {
                 factors(to, &patches, &block)
             })
             .collect();
-        let emission: Vec<Color> = owners.iter().map(|surface| surface.emission).collect();
-        let mut partial_sums = vec![emission.clone()];
-        for _ in 1..ALL_TERMS {
+        let mut partial_sums = vec![vec![DVec3::ZERO; patches.len()]];
+        for _ in 0..ALL_TERMS {
             let last = &partial_sums[partial_sums.len() - 1];
+            let radiance: Vec<Color> = last
+                .iter()
+                .zip(&owners)
+                .map(|(l, surface)| surface.emission + *l)
+                .collect();
             let next = rows
                 .par_iter()
                 .zip(&owners)
-                .map(|(row, surface)| surface.emission + surface.albedo * gather(row, last))
+                .map(|(row, surface)| surface.albedo * gather(row, &radiance))
                 .collect();
             partial_sums.push(next);
         }
@@ -163,9 +167,9 @@ impl Solution {
         }
     }
 
-    /// Radiance at a point of `surface` for each of `depths` (edges; `None` for all), gathered once
-    /// more from the patches: direct light is exact.
-    pub fn radiance(
+    /// Radiance at a point of `surface` that has been reflected at least twice, for each of `depths`
+    /// (edges; `None` for all): gathered once more from the patches.
+    pub fn indirect(
         &self,
         surface: &Surface,
         position: DVec3,
@@ -175,16 +179,10 @@ impl Solution {
         let row = factors(Receiver { position, normal }, &self.patches, &self.block);
         depths
             .iter()
-            .map(
-                |depth| match depth.map_or(ALL_TERMS, |depth| depth as usize) {
-                    0 => DVec3::ZERO,
-                    1 => surface.emission,
-                    terms => {
-                        surface.emission
-                            + surface.albedo * gather(&row, &self.partial_sums[terms - 2])
-                    }
-                },
-            )
+            .map(|depth| {
+                let terms = depth.map_or(ALL_TERMS, |depth| depth.saturating_sub(2) as usize);
+                surface.albedo * gather(&row, &self.partial_sums[terms])
+            })
             .collect()
     }
 
@@ -201,6 +199,24 @@ impl Solution {
             })
             .reduce(|| 0.0, f64::max)
     }
+}
+
+/// Radiance of the lamp that a point of `surface` reflects: exact.
+pub fn direct(
+    surfaces: &[Surface],
+    block: &[Rectangle],
+    surface: &Surface,
+    position: DVec3,
+) -> Color {
+    let normal = surface.rectangle.normal();
+    let to = Receiver { position, normal };
+    let shining = surfaces
+        .iter()
+        .filter(|other| other.emission != DVec3::ZERO);
+    let light: Color = shining
+        .map(|lamp| form_factor(to, &lamp.rectangle, block) * lamp.emission)
+        .sum();
+    surface.albedo * light
 }
 
 fn factors(to: Receiver, patches: &[Rectangle], block: &[Rectangle]) -> Vec<f64> {

@@ -5,8 +5,9 @@
 use glam::DVec3;
 use metrolight::math::Rgb;
 use metrolight::scene::{Material, Scene, ShapeDescription, Texture};
+use rayon::prelude::*;
 
-use super::room::{Color, Solution, Surface, surfaces};
+use super::room::{Color, Solution, Surface, block, direct, surfaces};
 use crate::common::words::{Words, look_at, parallelogram};
 
 /// A window on a wall and the pixels it is divided into.
@@ -86,34 +87,54 @@ impl View {
     }
 
     /// Mean radiance of every pixel, from the top left in rows, for each of `depths`; by midpoints on
-    /// a grid of `n` x `n` a pixel.
+    /// a grid of `points` x `points` a pixel, and a finer one for direct light, which has shadows.
     pub fn tile_means(
         &self,
         solution: &Solution,
         depths: &[Option<u32>],
-        n: u32,
+        points: u32,
     ) -> Vec<Vec<Color>> {
-        use rayon::prelude::*;
-        let surfaces = surfaces();
+        const SHARP: u32 = 16;
+        let (surfaces, block) = (surfaces(), block());
         let [columns, rows] = self.tiles;
         (0..columns * rows)
             .into_par_iter()
             .map(|tile| {
                 let mut means = vec![DVec3::ZERO; depths.len()];
-                for i in 0..n * n {
-                    let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
-                    let x = f64::from(tile % columns) + within(i % n);
-                    let y = f64::from(tile / columns) + within(i / n);
-                    let point = self.point(x / f64::from(columns), y / f64::from(rows));
+                self.over_tile(tile, points, |point, share| {
                     let surface = surface_at(&surfaces, point, self.normal);
-                    let radiance = solution.radiance(surface, point, depths);
+                    let radiance = solution.indirect(surface, point, depths);
                     for (mean, value) in means.iter_mut().zip(radiance) {
-                        *mean += value / f64::from(n * n);
+                        *mean += share * value;
                     }
-                }
+                });
+                self.over_tile(tile, SHARP * points, |point, share| {
+                    let surface = surface_at(&surfaces, point, self.normal);
+                    let direct = direct(&surfaces, &block, surface, point);
+                    for (mean, depth) in means.iter_mut().zip(depths) {
+                        let reflected = if *depth == Some(1) {
+                            DVec3::ZERO
+                        } else {
+                            direct
+                        };
+                        *mean += share * (surface.emission + reflected);
+                    }
+                });
                 means
             })
             .collect()
+    }
+
+    /// Calls `visit` with n x n points of a tile and the share of its area that each stands for.
+    fn over_tile(&self, tile: u32, n: u32, mut visit: impl FnMut(DVec3, f64)) {
+        let [columns, rows] = self.tiles;
+        let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+        for i in 0..n * n {
+            let x = f64::from(tile % columns) + within(i % n);
+            let y = f64::from(tile / columns) + within(i / n);
+            let point = self.point(x / f64::from(columns), y / f64::from(rows));
+            visit(point, 1.0 / f64::from(n * n));
+        }
     }
 
     /// The point of the wall seen at (x, y) of the film as a unit square, y down.
