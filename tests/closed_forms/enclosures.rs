@@ -78,8 +78,8 @@ fn diffuse_walls() {
     let mut truths = Truths::default();
     compare(&mut truths, 0.5, None, &Integrator::ALL, 30);
     compare(&mut truths, 0.9, Some(3), &Integrator::ALL, 30);
-    compare(&mut truths, 0.9, None, &Integrator::ALL, 15);
-    compare(&mut truths, 0.99, None, &[Path, Light], 60);
+    compare(&mut truths, 0.9, None, &Integrator::ALL, 10);
+    compare(&mut truths, 0.99, None, &[Path, Light], 30);
     truths.settle(
         "closed form",
         "furnace of diffuse walls, albedo to 0.99, unbounded and bounded",
