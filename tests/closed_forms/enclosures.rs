@@ -40,8 +40,9 @@ fn radiance(rho: f64, depth: Option<u32>) -> f64 {
 }
 
 /// The inside of a shining sphere, whose texture [`WALL`] is `rho`. With a second material a ball of
-/// it fills half of the view.
+/// it fills the view.
 fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
+    let fov_x = if materials.len() > 1 { 35.0 } else { 70.0 };
     let mut shapes = vec![ShapeDescription {
         flip_normals: true,
         emission: Some(Rgb::ONE),
@@ -50,7 +51,7 @@ fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
     if materials.len() > 1 {
         shapes.push(ShapeDescription {
             material: 1,
-            ..sphere(DVec3::new(0.3, 0.4, 0.8), 0.7)
+            ..sphere(DVec3::new(0.3, -0.2, 0.9), 0.7)
         });
     }
     Words {
@@ -58,7 +59,7 @@ fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
         textures: vec![grey(rho), grey(1.0)],
         shapes,
         depth,
-        fov_x: 70.0,
+        fov_x,
         camera: DMat4::from_translation(DVec3::new(0.3, -0.2, -1.0)),
         ..Words::default()
     }
