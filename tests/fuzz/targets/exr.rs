@@ -1,0 +1,4 @@
+//! OpenEXR images.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| metrolight_fuzz::image("exr", bytes));

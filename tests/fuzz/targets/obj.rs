@@ -1,0 +1,4 @@
+//! Wavefront OBJ meshes.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| metrolight_fuzz::mesh("obj", bytes));
