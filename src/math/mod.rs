@@ -12,6 +12,6 @@ pub mod warp;
 mod tests;
 
 pub use color::{Rgb, luminance};
-pub use distribution::{Distribution1D, Distribution2D};
+pub use distribution::{Cell, Distribution1D, Distribution2D};
 pub use frame::Frame;
 pub use hypercube::{Coordinates, FreshCoordinates, Stream};

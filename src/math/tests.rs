@@ -79,41 +79,6 @@ proptest! {
         let b = square_to_triangle(u);
         prop_assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 + 1e-6);
     }
-
-    /// Of any weights: positive ones get a positive probability, 0 gets 0, the sum is 1, larger
-    /// numbers choose later outcomes, and the outcome is the one whose share holds the number.
-    #[test]
-    fn distributions_follow_their_weights(
-        exponents in prop::collection::vec(-30.0f64..30.0, 1..40),
-        zeros in prop::collection::vec(any::<bool>(), 40),
-        u in 0.0f32..1.0, v in 0.0f32..1.0,
-    ) {
-        let weights: Vec<f64> = exponents
-            .iter()
-            .zip(&zeros)
-            .map(|(e, zero)| if *zero { 0.0 } else { e.exp2() })
-            .collect();
-        let total: f64 = weights.iter().sum();
-        let Some(distribution) = Distribution1D::new(weights.iter().copied()) else {
-            prop_assert_eq!(total, 0.0);
-            return Ok(());
-        };
-        prop_assert_eq!(distribution.len(), weights.len());
-        let probabilities: Vec<f32> =
-            (0..weights.len()).map(|i| distribution.probability(i)).collect();
-        prop_assert!((probabilities.iter().sum::<f32>() - 1.0).abs() < 1e-5);
-        for (p, w) in probabilities.iter().zip(&weights) {
-            prop_assert_eq!(*p > 0.0, *w > 0.0);
-            prop_assert!((f64::from(*p) - w / total).abs() < 4e-6);
-        }
-        let (i, rest) = distribution.sample(u);
-        let (j, _) = distribution.sample(v);
-        prop_assert!(weights[i] > 0.0);
-        prop_assert!((0.0..1.0).contains(&rest));
-        prop_assert_eq!(u <= v, i < j || (i == j && u <= v));
-        let below: f32 = probabilities[..i].iter().sum();
-        prop_assert!(below - 1e-5 <= u && u < below + probabilities[i] + 1e-5);
-    }
 }
 
 /// Thousands of outcomes that are next to nothing beside two great ones: none may be lost.
@@ -159,46 +124,35 @@ fn sampling_a_distribution_leaves_a_uniform_number() {
     assert!(p > 1e-4, "p = {p}");
 }
 
-/// Null hypothesis: points have the density that `pdf` tells; and `sample` tells the same.
+/// Null hypothesis: places are spread over cells in proportion to their weights, and uniform within.
 #[test]
-fn piecewise_constant_densities_are_sampled() {
+fn grids_are_sampled_in_proportion() {
     let weights = [1.0, 0.0, 3.0, 2.0, 0.0, 0.0, 0.0, 0.0, 5.0, 4.0, 0.1, 0.9];
-    let distribution = Distribution2D::new(&weights, 4).expect("a distribution");
+    let grid = Distribution2D::new(&weights, 4).expect("a distribution");
     let mut numbers = fresh(19);
     let samples = 50_000;
     // Each cell in quarters.
-    let mut observed = vec![0; 6 * 8];
+    let mut observed = vec![0; 4 * weights.len()];
     for _ in 0..samples {
-        let (point, density) = distribution.sample(numbers.read(Stream::Connection, 0));
-        assert!(
-            (density - distribution.pdf(point)).abs() < 1e-6,
-            "{point:?}"
-        );
-        let [x, y] = point;
-        observed[(y * 6.0) as usize * 8 + (x * 8.0) as usize] += 1;
+        let cell = grid.sample(numbers.read(Stream::Connection, 0));
+        let quarter = cell.within.map(|x| usize::from(x >= 0.5));
+        observed[4 * (4 * cell.row + cell.column) + 2 * quarter[0] + quarter[1]] += 1;
     }
     let expected: Vec<f64> = (0..observed.len())
-        .map(|cell| {
-            let center = [(cell % 8) as f32 + 0.5, (cell / 8) as f32 + 0.5];
-            let pdf = distribution.pdf([center[0] / 8.0, center[1] / 6.0]);
-            f64::from(samples) * f64::from(pdf) / 48.0
-        })
+        .map(|quarter| f64::from(samples) * weights[quarter / 4] / 64.0)
         .collect();
     let p = chi_square(&observed, &expected);
     assert!(p > 1e-4, "p = {p}");
-    for (cell, weight) in weights.iter().enumerate() {
-        let center = [
-            ((cell % 4) as f32 + 0.5) / 4.0,
-            ((cell / 4) as f32 + 0.5) / 3.0,
-        ];
-        let expected = weight / 16.0 * 12.0;
+    for (i, weight) in weights.iter().enumerate() {
+        let probability = f64::from(grid.probability(i % 4, i / 4));
         assert!(
-            (f64::from(distribution.pdf(center)) - expected).abs() < 1e-4,
-            "{cell}"
+            (probability - weight / 16.0).abs() < 1e-6,
+            "{i}: {probability}"
         );
     }
     assert!(Distribution2D::new(&weights, 5).is_none());
     assert!(Distribution2D::new(&weights, 0).is_none());
+    assert!(Distribution2D::new(&[1.0, 1.0, 1.0, -1.0], 2).is_none());
 }
 
 #[test]

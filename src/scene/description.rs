@@ -166,6 +166,14 @@ pub enum SceneError {
         /// The shape.
         name: String,
     },
+    /// A mesh that emits, of more triangles than random numbers can tell apart.
+    #[error("{name}: an area emitter can have at most {most} triangles; split the mesh")]
+    EmitterOfTooManyTriangles {
+        /// The shape.
+        name: String,
+        /// How many there can be.
+        most: usize,
+    },
     /// Nothing gives light.
     #[error(
         "the scene has no emitter: add an area, point, directional, constant or envmap emitter"

@@ -28,6 +28,8 @@ pub struct SurfacePoint {
     pub uv: Vec2,
     /// Index of the shape.
     pub shape: u32,
+    /// Index of the primitive, a triangle or a sphere, in the order of the acceleration structure.
+    pub primitive: u32,
 }
 
 impl SurfacePoint {

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use crate::math::{Distribution2D, Rgb, luminance};
+use crate::math::{Cell, Distribution2D, Rgb, luminance};
 
 /// Share of the mean of a row that each patch of it gets at least, if any light comes from there: a
 /// density of 0 or nearly 0 under rounding would lose the light of faint patches beside a sun.
@@ -100,29 +100,25 @@ impl EnvironmentMap {
     /// A unit direction from which light arrives, with the density that [`Self::evaluate`] tells.
     #[inline]
     pub fn sample(&self, u: Vec2) -> Vec3A {
-        let rows = self.rows();
-        let ([x, y], _) = self.patches.sample(u.to_array());
-        let y = f64::from(y) * rows as f64;
-        let row = (y as usize).min(rows - 1);
+        let Cell {
+            column,
+            row,
+            within: [x, y],
+        } = self.patches.sample(u.to_array());
         let (top, bottom) = (self.cosines[row], self.cosines[row + 1]);
-        let cos = top + (bottom - top) * (y - row as f64);
+        let cos = top + (bottom - top) * f64::from(y);
         // Not from the rounded cosine, which near the poles knows little of the angle.
         let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt() as f32;
-        let (sin_phi, cos_phi) = (TAU * (x + 0.5 / self.width as f32)).sin_cos();
+        let (sin_phi, cos_phi) = (TAU * ((column as f32 + x + 0.5) / self.width as f32)).sin_cos();
         Vec3A::new(sin_phi * sin, cos as f32, -cos_phi * sin)
     }
 
     /// Density per steradian of directions in a patch.
     #[inline]
     fn density(&self, column: usize, row: usize) -> f32 {
-        let rows = self.rows();
-        let height = (self.cosines[row] - self.cosines[row + 1]) as f32;
-        let center = [
-            (column as f32 + 0.5) / self.width as f32,
-            (row as f32 + 0.5) / rows as f32,
-        ];
-        // The unit square is uniform in phi, and in cos theta within each of the rows.
-        self.patches.pdf(center) / (TAU * height * rows as f32)
+        let height = self.cosines[row] - self.cosines[row + 1];
+        let solid_angle = height * 2.0 * PI / self.width as f64;
+        (f64::from(self.patches.probability(column, row)) / solid_angle) as f32
     }
 
     #[inline]

@@ -311,12 +311,7 @@ impl Emitters {
     pub fn hit(&self, surface: &SurfacePoint, from: Vec3A) -> Option<EmissionToward> {
         let emitter = self.of_shape(surface.shape)?;
         match &self.emitters[emitter as usize] {
-            Emitter::Area { light, .. } => light.hit(
-                surface.position,
-                surface.geometric_normal,
-                from,
-                self.probability(emitter),
-            ),
+            Emitter::Area { light, .. } => light.hit(surface, from, self.probability(emitter)),
             Emitter::Point { .. } | Emitter::Directional(_) | Emitter::Environment(_) => None,
         }
     }

@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3A};
 use super::{DirectSample, EmissionSample, EmissionToward};
 use crate::math::warp::{square_to_cosine_hemisphere, square_to_sphere, square_to_triangle};
 use crate::math::{Distribution1D, Frame, Rgb};
-use crate::scene::geometry::PlacedTriangle;
+use crate::scene::SurfacePoint;
+use crate::scene::geometry::{PlacedSurface, PlacedTriangle};
 use crate::scene::surface::offset;
 
 /// Distances squared below which two points are the same: the geometry term is beyond f32.
@@ -25,12 +26,18 @@ pub struct AreaEmitter {
 
 #[derive(Debug)]
 enum Form {
-    Triangles {
-        triangles: Vec<PlacedTriangle>,
-        /// Proportional to their areas.
-        choice: Distribution1D,
-    },
+    Mesh(Mesh),
     Sphere(Sphere),
+}
+
+#[derive(Debug)]
+struct Mesh {
+    /// In the order of their primitives.
+    triangles: Vec<PlacedTriangle>,
+    /// Proportional to their areas, but for rounding.
+    choice: Distribution1D,
+    /// Per unit area, of a point on each triangle: from the probabilities as they were rounded.
+    densities: Vec<f32>,
 }
 
 #[derive(Debug)]
@@ -41,27 +48,36 @@ struct Sphere {
     inward: bool,
 }
 
-impl AreaEmitter {
-    /// Light from `triangles`; `None` if there are none.
-    pub fn triangles(radiance: Rgb, triangles: Vec<PlacedTriangle>) -> Option<Self> {
-        let choice = Distribution1D::new(triangles.iter().map(PlacedTriangle::area))?;
-        Some(Self {
-            radiance,
-            area: choice.total(),
-            form: Form::Triangles { triangles, choice },
-        })
-    }
+/// Share of an emitter's area below which a triangle is not sampled, only hit: all of them together
+/// have no light that could be seen, and densities stay in the range of f32.
+const SMALLEST_SHARE: f64 = 1e-12;
 
-    /// Light from a sphere, to its inside if `inward`; `None` if it has no area.
-    pub fn sphere(radiance: Rgb, center: Vec3A, radius: f32, inward: bool) -> Option<Self> {
-        (radius > 0.0).then(|| Self {
-            radiance,
-            area: 4.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius),
-            form: Form::Sphere(Sphere {
+impl AreaEmitter {
+    /// Light from a surface; `None` if it has no area.
+    pub fn new(radiance: Rgb, surface: PlacedSurface) -> Option<Self> {
+        let (form, area) = match surface {
+            PlacedSurface::Triangles(triangles) => {
+                let area = triangles.iter().map(PlacedTriangle::area).sum();
+                (Form::Mesh(Mesh::new(triangles, area)?), area)
+            }
+            PlacedSurface::Sphere {
                 center,
                 radius,
                 inward,
-            }),
+            } => {
+                let sphere = Sphere {
+                    center,
+                    radius,
+                    inward,
+                };
+                let area = 4.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius);
+                (Form::Sphere(sphere), area)
+            }
+        };
+        Some(Self {
+            radiance,
+            area,
+            form,
         })
     }
 
@@ -70,47 +86,60 @@ impl AreaEmitter {
         self.radiance * (PI * self.area as f32)
     }
 
+    /// A point on the surface, sampled without regard to what it lights, the normal there, and its
+    /// density per area.
+    #[inline]
+    fn sample_surface(&self, part: f32, u: Vec2) -> (Vec3A, Vec3A, f32) {
+        match &self.form {
+            Form::Mesh(mesh) => mesh.sample(part, u),
+            Form::Sphere(sphere) => {
+                let (position, normal) = sphere.at(square_to_sphere(u));
+                (position, normal, self.uniform_pdf())
+            }
+        }
+    }
+
+    /// The density with which [`Self::sample_surface`] finds a point of a primitive.
+    #[inline]
+    fn surface_pdf(&self, primitive: u32) -> f32 {
+        match &self.form {
+            Form::Mesh(mesh) => mesh.pdf(primitive),
+            Form::Sphere(_) => self.uniform_pdf(),
+        }
+    }
+
     /// Density per area of a point uniform on the surface.
     #[inline]
     fn uniform_pdf(&self) -> f32 {
         (1.0 / self.area) as f32
     }
 
-    /// A point uniform on the surface and the normal there.
+    /// Density with which [`Self::sample_direct`] for `point` finds y_0, where `pdf_position` is that
+    /// of [`Self::sample_surface`] and `cos` and `distance_squared` are those of the segment between
+    /// them; both include the probability `choice_pdf` of this emitter.
     #[inline]
-    fn sample_uniform(&self, part: f32, u: Vec2) -> (Vec3A, Vec3A) {
+    fn direct_pdf(
+        &self,
+        point: Vec3A,
+        pdf_position: f32,
+        choice_pdf: f32,
+        (cos, distance_squared): (f32, f32),
+    ) -> f32 {
         match &self.form {
-            Form::Triangles { triangles, choice } => {
-                let triangle = &triangles[choice.sample(part).0];
-                let b = square_to_triangle(u);
-                let [p0, p1, p2] = triangle.corners.map(Vec3A::from_array);
-                (p0 + (p1 - p0) * b.x + (p2 - p0) * b.y, triangle.normal)
-            }
-            Form::Sphere(sphere) => sphere.at(square_to_sphere(u)),
+            Form::Sphere(sphere) if !sphere.inward => sphere.cone(point).map_or(0.0, |cone| {
+                choice_pdf * (cone.pdf() * cos / distance_squared)
+            }),
+            Form::Mesh(_) | Form::Sphere(_) => pdf_position,
         }
     }
 
-    /// Density per area with which [`Self::sample_direct`] for `point` finds y_0, where `cos` and
-    /// `distance_squared` are those of the segment between them.
-    #[inline]
-    fn direct_pdf(&self, point: Vec3A, cos: f32, distance_squared: f32) -> f32 {
-        match &self.form {
-            Form::Triangles { .. } => self.uniform_pdf(),
-            Form::Sphere(sphere) => match sphere.cone(point) {
-                _ if sphere.inward => self.uniform_pdf(),
-                Some(cone) => cone.pdf() * cos / distance_squared,
-                None => 0.0,
-            },
-        }
-    }
-
-    /// Light from y_0 = `position` with normal `normal` toward `point`, the direction from `point`
-    /// to y_0, the cosine at y_0 and the distance squared; `None` from behind.
+    /// Light from y_0 = `position` with normal `normal` and density `pdf_position` toward `point`,
+    /// the direction from `point` to y_0, the cosine at y_0 and the distance squared; `None` from
+    /// behind.
     #[inline]
     fn toward(
         &self,
-        position: Vec3A,
-        normal: Vec3A,
+        (position, normal, pdf_position): (Vec3A, Vec3A, f32),
         point: Vec3A,
         choice_pdf: f32,
     ) -> Option<(EmissionToward, Vec3A, f32, f32)> {
@@ -126,8 +155,8 @@ impl AreaEmitter {
         }
         let emission = EmissionToward {
             radiance: self.radiance,
-            pdf_direct: choice_pdf * self.direct_pdf(point, cos, distance_squared),
-            pdf_position: choice_pdf * self.uniform_pdf(),
+            pdf_direct: self.direct_pdf(point, pdf_position, choice_pdf, (cos, distance_squared)),
+            pdf_position,
             pdf_direction: cos * FRAC_1_PI,
         };
         Some((emission, direction, cos, distance_squared))
@@ -142,14 +171,15 @@ impl AreaEmitter {
         u: Vec2,
         choice_pdf: f32,
     ) -> Option<DirectSample> {
-        let (position, normal) = match &self.form {
+        let (position, normal, pdf) = match &self.form {
             Form::Sphere(sphere) if !sphere.inward => {
-                sphere.at(sphere.cone(point)?.sample_normal(u))
+                let (position, normal) = sphere.at(sphere.cone(point)?.sample_normal(u));
+                (position, normal, self.uniform_pdf())
             }
-            _ => self.sample_uniform(part, u),
+            Form::Mesh(_) | Form::Sphere(_) => self.sample_surface(part, u),
         };
         let (emission, direction, cos, distance_squared) =
-            self.toward(position, normal, point, choice_pdf)?;
+            self.toward((position, normal, choice_pdf * pdf), point, choice_pdf)?;
         Some(DirectSample {
             direction,
             target: offset(position, normal, -direction),
@@ -170,7 +200,8 @@ impl AreaEmitter {
         way: Vec2,
         choice_pdf: f32,
     ) -> EmissionSample {
-        let (position, normal) = self.sample_uniform(part, place);
+        let (position, normal, pdf) = self.sample_surface(part, place);
+        let pdf_position = choice_pdf * pdf;
         let local = square_to_cosine_hemisphere(way);
         let direction = Frame::from_normal(normal).to_world(local);
         EmissionSample {
@@ -179,9 +210,9 @@ impl AreaEmitter {
             position,
             normal,
             direction,
-            // Le cos / (choice/A * cos/pi): the cosine cancels.
-            weight: self.power() / choice_pdf,
-            pdf_position: choice_pdf * self.uniform_pdf(),
+            // Le cos / (pdf_position * cos/pi): the cosine cancels.
+            weight: self.radiance * (PI / pdf_position),
+            pdf_position,
             pdf_direction: local.z * FRAC_1_PI,
             infinite: false,
             delta: false,
@@ -196,7 +227,8 @@ impl AreaEmitter {
         point: Vec3A,
         choice_pdf: f32,
     ) -> f32 {
-        self.toward(sample.position, sample.normal, point, choice_pdf)
+        let start = (sample.position, sample.normal, sample.pdf_position);
+        self.toward(start, point, choice_pdf)
             .map_or(0.0, |(emission, ..)| emission.pdf_direct)
     }
 
@@ -204,13 +236,57 @@ impl AreaEmitter {
     #[inline]
     pub fn hit(
         &self,
-        position: Vec3A,
-        normal: Vec3A,
+        surface: &SurfacePoint,
         from: Vec3A,
         choice_pdf: f32,
     ) -> Option<EmissionToward> {
-        self.toward(position, normal, from, choice_pdf)
+        let pdf_position = choice_pdf * self.surface_pdf(surface.primitive);
+        let y0 = (surface.position, surface.geometric_normal, pdf_position);
+        self.toward(y0, from, choice_pdf)
             .map(|(emission, ..)| emission)
+    }
+}
+
+impl Mesh {
+    /// Of triangles whose areas add up to `area`; `None` if that is 0.
+    fn new(triangles: Vec<PlacedTriangle>, area: f64) -> Option<Self> {
+        let sampled = |own: f64| {
+            if own < SMALLEST_SHARE * area {
+                0.0
+            } else {
+                own
+            }
+        };
+        let choice = Distribution1D::new(triangles.iter().map(|t| sampled(t.area())))?;
+        let density = |(i, triangle): (usize, &PlacedTriangle)| {
+            (f64::from(choice.probability(i)) / triangle.area()) as f32
+        };
+        let densities = triangles.iter().enumerate().map(density).collect();
+        Some(Self {
+            triangles,
+            choice,
+            densities,
+        })
+    }
+
+    /// As [`AreaEmitter::sample_surface`].
+    #[inline]
+    fn sample(&self, part: f32, u: Vec2) -> (Vec3A, Vec3A, f32) {
+        let i = self.choice.sample(part).0;
+        let triangle = &self.triangles[i];
+        let b = square_to_triangle(u);
+        let [p0, p1, p2] = triangle.corners.map(Vec3A::from_array);
+        let position = p0 + (p1 - p0) * b.x + (p2 - p0) * b.y;
+        (position, triangle.normal, self.densities[i])
+    }
+
+    /// As [`AreaEmitter::surface_pdf`].
+    #[inline]
+    fn pdf(&self, primitive: u32) -> f32 {
+        let found = self
+            .triangles
+            .binary_search_by_key(&primitive, |t| t.primitive);
+        found.map_or(0.0, |i| self.densities[i])
     }
 }
 

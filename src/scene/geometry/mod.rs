@@ -113,14 +113,21 @@ impl Geometry {
                     }
                 }
             });
-        match self.primitives.get(hit.primitive_id as usize)? {
+        let index = hit.primitive_id;
+        match self.primitives.get(index as usize)? {
             Primitive::Triangle {
                 corners,
                 shape,
                 vertices,
             } => {
                 let (b1, b2) = barycentric;
-                Some(self.shapes[*shape as usize].on_triangle(*shape, corners, *vertices, b1, b2))
+                Some(self.shapes[*shape as usize].on_triangle(
+                    (*shape, index),
+                    corners,
+                    *vertices,
+                    b1,
+                    b2,
+                ))
             }
             Primitive::Sphere {
                 center,
@@ -128,7 +135,12 @@ impl Geometry {
                 shape,
             } => {
                 let near = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
-                Some(self.shapes[*shape as usize].on_sphere(*shape, *center, *radius, near))
+                Some(self.shapes[*shape as usize].on_sphere(
+                    (*shape, index),
+                    *center,
+                    *radius,
+                    near,
+                ))
             }
         }
     }
@@ -144,6 +156,43 @@ impl Geometry {
                     sphere_distance(*center, *radius, ray, ray.t_max)
                 }
             })
+    }
+
+    /// The surfaces of all shapes for which `wanted` is true; of the others no triangle.
+    pub(super) fn surfaces(&self, wanted: impl Fn(u32) -> bool) -> Vec<PlacedSurface> {
+        let none = || PlacedSurface::Triangles(Vec::new());
+        let mut surfaces: Vec<PlacedSurface> = self.shapes.iter().map(|_| none()).collect();
+        for (primitive, placed) in (0..).zip(&self.primitives) {
+            match *placed {
+                Primitive::Triangle {
+                    corners,
+                    shape,
+                    vertices,
+                } if wanted(shape) => {
+                    let normal = self.shapes[shape as usize].triangle_normal(&corners, vertices);
+                    if let PlacedSurface::Triangles(list) = &mut surfaces[shape as usize] {
+                        list.push(PlacedTriangle {
+                            corners,
+                            normal,
+                            primitive,
+                        });
+                    }
+                }
+                Primitive::Sphere {
+                    center,
+                    radius,
+                    shape,
+                } if wanted(shape) => {
+                    surfaces[shape as usize] = PlacedSurface::Sphere {
+                        center: center.into(),
+                        radius,
+                        inward: self.shapes[shape as usize].flip,
+                    }
+                }
+                Primitive::Triangle { .. } | Primitive::Sphere { .. } => {}
+            }
+        }
+        surfaces
     }
 
     /// Index of the material of a shape.
@@ -246,12 +295,27 @@ pub(super) struct GeometryBuilder {
     degenerate: usize,
 }
 
-/// A triangle with area, for an emitter to shine from.
+/// The surface of a shape in scene units, for an emitter to shine from.
+pub(super) enum PlacedSurface {
+    /// Triangles with area, in the order of their primitives.
+    Triangles(Vec<PlacedTriangle>),
+    /// A sphere of positive radius.
+    Sphere {
+        center: Vec3A,
+        radius: f32,
+        /// The front side is inside.
+        inward: bool,
+    },
+}
+
+/// A triangle with area.
 #[derive(Debug)]
 pub(super) struct PlacedTriangle {
     pub(super) corners: Corners,
     /// Unit, on the front side.
     pub(super) normal: Vec3A,
+    /// As [`SurfacePoint::primitive`].
+    pub(super) primitive: u32,
 }
 
 impl PlacedTriangle {
@@ -262,14 +326,8 @@ impl PlacedTriangle {
 }
 
 impl GeometryBuilder {
-    /// Adds a mesh in scene units and tells its index.
-    pub(super) fn add_mesh(
-        &mut self,
-        name: String,
-        material: u32,
-        flip: bool,
-        mesh: TriangleMesh,
-    ) -> u32 {
+    /// Adds a mesh in scene units as the next shape.
+    pub(super) fn add_mesh(&mut self, name: String, material: u32, flip: bool, mesh: TriangleMesh) {
         let shape = self.shapes.len() as u32;
         self.primitives.reserve(mesh.triangles.len());
         let before = self.primitives.len();
@@ -293,10 +351,9 @@ impl GeometryBuilder {
             flip,
             attributes,
         });
-        shape
     }
 
-    /// Adds a sphere in scene units and tells its index; `to_local` turns scene axes into its own.
+    /// Adds a sphere in scene units as the next shape; `to_local` turns scene axes into its own.
     pub(super) fn add_sphere(
         &mut self,
         name: String,
@@ -304,7 +361,7 @@ impl GeometryBuilder {
         flip: bool,
         (center, radius): (Vec3A, f32),
         to_local: Mat3A,
-    ) -> u32 {
+    ) {
         let shape = self.shapes.len() as u32;
         if radius > 0.0 {
             self.spheres += 1;
@@ -322,26 +379,6 @@ impl GeometryBuilder {
             flip,
             attributes: Attributes::Sphere(to_local),
         });
-        shape
-    }
-
-    /// The triangles of the shape added last.
-    pub(super) fn last_triangles(&self) -> impl Iterator<Item = PlacedTriangle> {
-        let last = self.shapes.len().wrapping_sub(1) as u32;
-        self.primitives
-            .iter()
-            .rev()
-            .map_while(move |primitive| match primitive {
-                Primitive::Triangle {
-                    corners,
-                    shape,
-                    vertices,
-                } if *shape == last => Some(PlacedTriangle {
-                    corners: *corners,
-                    normal: self.shapes[last as usize].triangle_normal(corners, *vertices),
-                }),
-                _ => None,
-            })
     }
 
     /// Builds the acceleration structure.

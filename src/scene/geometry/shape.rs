@@ -82,11 +82,12 @@ impl Shape {
         }
     }
 
-    /// The point with barycentric coordinates `b1` and `b2` on a triangle of this shape.
+    /// The point with barycentric coordinates `b1` and `b2` on a triangle of this shape. `shape` and
+    /// `primitive` are the indices of both.
     #[inline]
     pub fn on_triangle(
         &self,
-        shape: u32,
+        (shape, primitive): (u32, u32),
         corners: &Corners,
         vertices: [u32; 3],
         b1: f32,
@@ -111,14 +112,15 @@ impl Shape {
             shading: Frame::from_normal(normal.unwrap_or(geometric_normal)),
             uv,
             shape,
+            primitive,
         }
     }
 
-    /// The point of a sphere of this shape nearest to `near`.
+    /// The point of a sphere of this shape nearest to `near`; as [`Self::on_triangle`].
     #[inline]
     pub fn on_sphere(
         &self,
-        shape: u32,
+        (shape, primitive): (u32, u32),
         center: [f32; 3],
         radius: f32,
         near: DVec3,
@@ -137,6 +139,7 @@ impl Shape {
             shading: Frame::from_normal(front),
             uv: spherical_uv(local),
             shape,
+            primitive,
         }
     }
 

@@ -5,6 +5,7 @@ mod densities;
 mod integrals;
 mod limits;
 mod mitsuba;
+mod slivers;
 
 use glam::{DMat4, DVec3, Vec3A};
 
