@@ -40,30 +40,3 @@ impl Frame {
         self.s * v.x + self.t * v.y + self.n * v.z
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn frames_are_orthonormal_right_handed_and_invertible(
-            x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0,
-            a in -1.0f32..1.0, b in -1.0f32..1.0, c in -1.0f32..1.0,
-        ) {
-            let n = Vec3A::new(x, y, z);
-            prop_assume!(n.length() > 1e-3);
-            let frame = Frame::from_normal(n.normalize());
-            for (u, v, expected) in [
-                (frame.s, frame.s, 1.0), (frame.t, frame.t, 1.0), (frame.n, frame.n, 1.0),
-                (frame.s, frame.t, 0.0), (frame.t, frame.n, 0.0), (frame.n, frame.s, 0.0),
-            ] {
-                prop_assert!((u.dot(v) - expected).abs() < 2e-6);
-            }
-            prop_assert!(frame.s.cross(frame.t).dot(frame.n) > 0.999);
-            let v = Vec3A::new(a, b, c);
-            prop_assert!((frame.to_world(frame.to_local(v)) - v).length() < 5e-6);
-        }
-    }
-}

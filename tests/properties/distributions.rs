@@ -1,0 +1,144 @@
+//! Discrete distributions: sampling and probability agree exactly.
+
+use metrolight::math::{Distribution1D, Distribution2D};
+use proptest::prelude::*;
+
+use super::unit;
+
+/// Random numbers in [0, 1).
+const NUMBERS: u32 = 1 << 24;
+
+fn u(number: u32) -> f32 {
+    number as f32 / NUMBERS as f32
+}
+
+/// Weights that differ by up to 18 decimal orders, some of them 0.
+fn weights() -> impl Strategy<Value = Vec<f64>> {
+    let weight = prop_oneof![
+        1 => Just(0.0),
+        4 => (-30.0..30.0_f64).prop_map(f64::exp2),
+    ];
+    prop::collection::vec(weight, 1..60)
+}
+
+/// How many random numbers choose each outcome, by [`Distribution1D::probability`].
+fn claimed(distribution: &Distribution1D) -> Vec<u32> {
+    let counts = (0..distribution.len()).map(|i| {
+        let count = distribution.probability(i) * NUMBERS as f32;
+        assert_eq!(count.fract(), 0.0);
+        count as u32
+    });
+    counts.collect()
+}
+
+proptest! {
+    /// Numbers are dealt out in one run to each outcome, as long as its probability says: so much
+    /// follows from the first and the last of each run, as outcomes rise with numbers.
+    #[test]
+    fn outcomes_own_as_many_numbers_as_their_probability_says(weights in weights()) {
+        let total: f64 = weights.iter().sum();
+        let Some(distribution) = Distribution1D::new(weights.iter().copied()) else {
+            prop_assert_eq!(total, 0.0);
+            return Ok(());
+        };
+        prop_assert_eq!(distribution.len(), weights.len());
+        prop_assert_eq!(distribution.total(), total);
+        let possible = weights.iter().filter(|w| **w > 0.0).count() as f64;
+        let mut first = 0;
+        for (i, (count, weight)) in claimed(&distribution).into_iter().zip(&weights).enumerate() {
+            prop_assert_eq!(count > 0, *weight > 0.0);
+            if count > 0 {
+                prop_assert_eq!(distribution.sample(u(first)).0, i);
+                prop_assert_eq!(distribution.sample(u(first + count - 1)).0, i);
+                let due = 1.0 + weight / total * (f64::from(NUMBERS) - possible);
+                prop_assert!((f64::from(count) - due).abs() < 1.001, "{count} {due}");
+            }
+            first += count;
+        }
+        prop_assert_eq!(first, NUMBERS);
+    }
+
+    /// What a choice leaves of a number: k numbers get the middles of k equal parts.
+    #[test]
+    fn the_rest_is_spread_evenly(weights in weights(), number in 0..NUMBERS) {
+        let Some(distribution) = Distribution1D::new(weights) else {
+            return Ok(());
+        };
+        let (i, rest) = distribution.sample(u(number));
+        let counts = claimed(&distribution);
+        let first: u32 = counts[..i].iter().sum();
+        let expected = (f64::from(number - first) + 0.5) / f64::from(counts[i]);
+        prop_assert!((0.0..1.0).contains(&rest));
+        prop_assert!((f64::from(rest) - expected).abs() < 1e-7);
+    }
+
+    /// A chain's small steps leave the multiples of 2^-24 where f32 is finer: such a number chooses
+    /// what the multiple below it does.
+    #[test]
+    fn numbers_between_multiples_choose_alike(
+        weights in weights(),
+        number in 0..NUMBERS / 2,
+        between in 0.0f32..1.0,
+    ) {
+        let Some(distribution) = Distribution1D::new(weights) else {
+            return Ok(());
+        };
+        let above = ((number as f32 + between) / NUMBERS as f32).min(u(number + 1).next_down());
+        prop_assert_eq!(distribution.sample(above), distribution.sample(u(number)));
+    }
+
+    /// Cells have the product of their probabilities, 0 only if their weight is, and 1 in all.
+    #[test]
+    fn cells_are_chosen_with_their_probability(
+        weights in weights(),
+        width in 1_usize..7,
+        point in [unit(), unit()],
+    ) {
+        let weights = &weights[..weights.len() - weights.len() % width];
+        let total: f64 = weights.iter().sum();
+        let Some(grid) = Distribution2D::new(weights, width) else {
+            prop_assert!(total == 0.0);
+            return Ok(());
+        };
+        let mut sum = 0.0;
+        for (i, weight) in weights.iter().enumerate() {
+            let probability = grid.probability(i % width, i / width);
+            prop_assert_eq!(probability > 0.0, *weight > 0.0);
+            prop_assert!((f64::from(probability) - weight / total).abs() < 1e-5);
+            sum += f64::from(probability);
+        }
+        prop_assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+        let cell = grid.sample(point);
+        prop_assert!(grid.probability(cell.column, cell.row) > 0.0);
+        prop_assert!(cell.within.iter().all(|x| (0.0..1.0).contains(x)));
+    }
+}
+
+/// Every random number, for weights of which some are below one number and most are next to nothing.
+#[test]
+fn every_number_is_counted() {
+    let weights = (0..3000).map(|i| match i % 4 {
+        0 => 0.0,
+        1 => 0.3 / f64::from(NUMBERS),
+        2 => 2.7 / f64::from(NUMBERS),
+        _ => f64::from(i) * f64::from(i),
+    });
+    let distribution = Distribution1D::new(weights).expect("a distribution");
+    let mut counts = vec![0; distribution.len()];
+    for number in 0..NUMBERS {
+        counts[distribution.sample(u(number)).0] += 1;
+    }
+    assert_eq!(counts, claimed(&distribution));
+}
+
+/// As many outcomes as there are numbers share them equally; one more is too many.
+#[test]
+fn outcomes_are_not_more_than_numbers() {
+    let even = |n: u32| Distribution1D::new((0..n).map(|_| 0.1));
+    let full = even(NUMBERS).expect("a distribution");
+    for number in (0..NUMBERS).step_by(1009) {
+        assert_eq!(full.sample(u(number)).0, number as usize);
+        assert_eq!(full.probability(number as usize), u(1));
+    }
+    assert!(even(NUMBERS + 1).is_none());
+}
