@@ -17,6 +17,10 @@ const MOST_BYTES: u64 = 1 << 31;
 /// Most pixels per byte of an OpenEXR file: its best compression, deflate, makes at most 1032 bytes
 /// of one, and a pixel has at least two.
 const MOST_EXR_PIXELS_PER_BYTE: u64 = 1032 / 2;
+/// Most pixels per byte of another file: a PNG has up to 8 in each of the 1032 bytes. A JPEG has at
+/// most 512, since each block of 64 takes a bit, and an HDR image of one colour some hundreds. But their
+/// decoders fill what is missing of a file, and would take memory for whatever it claims.
+const MOST_PIXELS_PER_BYTE: u64 = 8 * 1032;
 
 /// An image in linear RGB with the primaries of sRGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,17 +76,22 @@ pub fn read_image(path: &Path, decode: Decode) -> Result<Image, ReadImageError> 
     }
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or("");
     if extension.eq_ignore_ascii_case("exr") {
-        read_exr(path, metadata.len())
+        read_exr(path, most_pixels(metadata.len(), MOST_EXR_PIXELS_PER_BYTE))
     } else {
-        read_other(path, decode)
+        let limit = most_pixels(metadata.len(), MOST_PIXELS_PER_BYTE);
+        read_other(path, decode, limit)
     }
 }
 
-fn read_exr(path: &Path, file_bytes: u64) -> Result<Image, ReadImageError> {
+/// Most pixels that a file can hold and memory should be spent on.
+fn most_pixels(file_bytes: u64, per_byte: u64) -> usize {
+    let possible = file_bytes.saturating_mul(per_byte);
+    MOST_PIXELS.min(usize::try_from(possible).unwrap_or(MOST_PIXELS))
+}
+
+fn read_exr(path: &Path, limit: usize) -> Result<Image, ReadImageError> {
     let broken = |error: exr::error::Error| ReadImageError::Format(error.to_string());
     let header = MetaData::read_from_file(path, false).map_err(broken)?;
-    let possible = file_bytes.saturating_mul(MOST_EXR_PIXELS_PER_BYTE);
-    let limit = MOST_PIXELS.min(usize::try_from(possible).unwrap_or(MOST_PIXELS));
     for layer in &header.headers {
         check_size(layer.layer_size.width(), layer.layer_size.height(), limit)?;
     }
@@ -127,13 +136,13 @@ fn samples(samples: &FlatSamples) -> Vec<f32> {
     samples.values_as_f32().collect()
 }
 
-fn read_other(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
+fn read_other(path: &Path, decode: Decode, limit: usize) -> Result<Image, ReadImageError> {
     let mut file = BufReader::new(File::open(path)?);
     let decoded = if file.fill_buf()?.starts_with(b"#?") {
         // Mitsuba, among others, does not write the first line that the format demands.
         let decoder = HdrDecoder::new_nonstrict(file).map_err(broken)?;
         let (width, height) = decoder.dimensions();
-        check_size(width as usize, height as usize, MOST_PIXELS)?;
+        check_size(width as usize, height as usize, limit)?;
         DynamicImage::from_decoder(decoder).map_err(broken)?
     } else {
         let mut reader = ImageReader::new(file).with_guessed_format()?;
@@ -142,7 +151,7 @@ fn read_other(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
         reader.limits(limits);
         let decoder = reader.into_decoder().map_err(broken)?;
         let (width, height) = decoder.dimensions();
-        check_size(width as usize, height as usize, MOST_PIXELS)?;
+        check_size(width as usize, height as usize, limit)?;
         DynamicImage::from_decoder(decoder).map_err(broken)?
     };
     let is_float = matches!(

@@ -93,4 +93,23 @@ fn sizes_beyond_reason_are_refused_before_memory_is_taken() {
         + 12;
     exr[at..at + 8].copy_from_slice(&[0x0F, 0x27, 0, 0, 0x0F, 0x27, 0, 0]);
     is_too_large("a.exr", &exr);
+    // 11000 x 11000 pixels, fewer than are allowed, in a file that cannot hold them: in the frame header
+    // of the JPEG and in the image header of the PNG (whose checksum is that of the new size).
+    let size = 11_000_u16.to_be_bytes();
+    let mut jpeg = fs::read(fixtures().join("flat.jpg")).expect("a JPEG");
+    let frame = jpeg.windows(2).position(|w| w == [0xFF, 0xC0]);
+    let at = frame.expect("a frame") + 5;
+    jpeg[at..at + 4].copy_from_slice(&[size, size].concat());
+    is_too_large("a.jpg", &jpeg);
+    let mut png = fs::read(fixtures().join("colors.png")).expect("a PNG");
+    let at = png.windows(4).position(|w| w == b"IHDR").expect("a header") + 4;
+    for i in [2, 6] {
+        png[at + i..at + i + 2].copy_from_slice(&size);
+    }
+    png[at + 13..at + 17].copy_from_slice(&0x414D0DDD_u32.to_be_bytes());
+    is_too_large("a.png", &png);
+    is_too_large(
+        "b.hdr",
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 11000 +X 11000\n",
+    );
 }
