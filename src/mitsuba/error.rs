@@ -244,6 +244,9 @@ pub enum Cause {
     /// Substitution makes a text too long.
     #[error("with its $variables replaced this is longer than {0} bytes")]
     SubstitutionTooLong(usize),
+    /// Substitution makes a scene too long.
+    #[error("with its $variables replaced the scene is longer than {0} bytes")]
+    SubstitutionTooMuch(usize),
     /// A reference to nothing.
     #[error("no object has the id `{found}`{}", hint(found, known))]
     MissingReference {

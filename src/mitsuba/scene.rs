@@ -1,10 +1,10 @@
 //! The scene as a whole.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::error::{Cause, LoadError, Warning};
 use super::object::{Object, Tag};
-use super::property::{Property, Value};
+use super::property::Value;
 use super::tree::Tree;
 use super::{Overrides, bsdf, emitter, integrator, sensor, shape, texture};
 use crate::scene::{
@@ -62,16 +62,18 @@ pub fn build(
     };
     let mut view = None;
     let mut depth = None;
+    let mut seen = HashSet::new();
     for property in &scene.properties {
         let Value::Object(index) = property.value else {
             continue;
         };
         property.used.set(true);
         let object = builder.object(index);
+        let is_repetition = !seen.insert(index);
         match object.tag {
             Tag::Bsdf => drop(bsdf::material(&mut builder, index)?),
             Tag::Texture => drop(texture::texture(&mut builder, index)?),
-            _ if is_repetition(scene, property, index) => {
+            _ if is_repetition => {
                 return Err(property.error(Cause::Conflict(format!(
                     "the {} is part of the scene already",
                     object.title()
@@ -109,11 +111,4 @@ pub fn build(
         shapes: builder.shapes,
         emitters: builder.emitters,
     })
-}
-
-/// True if an earlier property of the scene is the same object.
-fn is_repetition(scene: &Object, property: &Property, index: usize) -> bool {
-    let is_same = |p: &Property| matches!(p.value, Value::Object(i) if i == index);
-    let first = scene.properties.iter().find(|p| is_same(p));
-    first.is_some_and(|first| !std::ptr::eq(first, property))
 }

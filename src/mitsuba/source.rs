@@ -14,12 +14,17 @@ const LONGEST_SHOWN_LINE: usize = 400;
 pub struct SourceFile {
     path: PathBuf,
     text: String,
+    /// Bytes at which lines begin: each shape of a scene asks for its line.
+    lines: Vec<usize>,
 }
 
 impl SourceFile {
     /// A file's path, as messages shall show it, and its text.
     pub(super) fn new(path: PathBuf, text: String) -> Arc<Self> {
-        Arc::new(Self { path, text })
+        let newlines = text.bytes().enumerate().filter(|&(_, b)| b == b'\n');
+        let lines = std::iter::once(0).chain(newlines.map(|(at, _)| at + 1));
+        let lines = lines.collect();
+        Arc::new(Self { path, text, lines })
     }
 
     /// As given on the command line or found from there.
@@ -82,16 +87,12 @@ impl Place {
     /// Line and column of the start, from 1.
     pub fn line_and_column(&self) -> (usize, usize) {
         let bytes = self.file.text.as_bytes();
-        let before = &bytes[..self.span.start.min(bytes.len())];
-        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
-        let line_start = before
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |newline| newline + 1);
+        let start = self.span.start.min(bytes.len());
+        let line = self.file.lines.partition_point(|&begin| begin <= start);
+        let before = &bytes[self.file.lines[line - 1]..start];
         // A byte that does not continue a UTF-8 sequence begins a character.
         let is_start = |b: &&u8| **b & 0xC0 != 0x80;
-        let column = before[line_start..].iter().filter(is_start).count() + 1;
-        (line, column)
+        (line, before.iter().filter(is_start).count() + 1)
     }
 
     /// For a caret under the fault.

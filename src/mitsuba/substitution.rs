@@ -6,6 +6,9 @@ use super::error::Cause;
 /// the memory.
 const LONGEST: usize = 1 << 20;
 
+/// Most bytes of all attributes in which variables were replaced: attributes add up, too.
+const MOST: usize = 1 << 26;
+
 struct Variable {
     name: String,
     value: String,
@@ -17,6 +20,8 @@ struct Variable {
 /// The values of `$variables`.
 pub struct Substitution {
     variables: Vec<Variable>,
+    /// Bytes of attributes in which variables were replaced so far.
+    written: usize,
 }
 
 impl Substitution {
@@ -32,7 +37,10 @@ impl Substitution {
                 used: false,
             });
         }
-        Self { variables }
+        Self {
+            variables,
+            written: 0,
+        }
     }
 
     /// Takes the value of a `<default>`, unless the variable has one already.
@@ -73,6 +81,12 @@ impl Substitution {
             }
         }
         result.push_str(rest);
+        if rest.len() < text.len() {
+            self.written += result.len();
+        }
+        if self.written > MOST {
+            return Err(Cause::SubstitutionTooMuch(MOST));
+        }
         Ok(result)
     }
 
@@ -148,5 +162,23 @@ mod tests {
             }
         }
         assert!(matches!(last, Err(Cause::SubstitutionTooLong(_))));
+    }
+
+    #[test]
+    fn long_values_used_often_are_stopped() {
+        let long = "x".repeat(LONGEST - 1);
+        let mut s = with(&[("long", &long)]);
+        let uses = MOST / LONGEST;
+        for _ in 0..uses {
+            assert!(s.apply("$long").is_ok());
+        }
+        // Text without variables stands in the file itself and does not count.
+        assert!(s.apply(&long).is_ok());
+        assert!(matches!(
+            s.apply("-$long-$long"),
+            Err(Cause::SubstitutionTooLong(_))
+        ));
+        let last = (0..2).map(|_| s.apply("$long")).last();
+        assert!(matches!(last, Some(Err(Cause::SubstitutionTooMuch(_)))));
     }
 }

@@ -29,7 +29,7 @@ impl SceneDescription {
         for shape in &self.shapes {
             check_transform(shape)?;
         }
-        let units = Units::of(&self.shapes);
+        let units = Units::of(&self.shapes)?;
         let aspect = f64::from(self.film.width) / f64::from(self.film.height);
         let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
         let emissions: Vec<Option<Rgb>> = self.shapes.iter().map(|s| s.emission).collect();
@@ -65,7 +65,7 @@ struct Units {
 impl Units {
     /// Those in which the shapes have a bounding sphere of [`SCENE_RADIUS`] around the origin. A
     /// scene without extent keeps its own units.
-    fn of(shapes: &[ShapeDescription]) -> Self {
+    fn of(shapes: &[ShapeDescription]) -> Result<Self, SceneError> {
         let mut min = DVec3::INFINITY;
         let mut max = DVec3::NEG_INFINITY;
         for shape in shapes {
@@ -85,11 +85,14 @@ impl Units {
                 bounding_radius = bounding_radius.max(extreme.distance(center) + radius);
             });
         }
+        if !bounding_radius.is_finite() {
+            return Err(SceneError::TooLarge);
+        }
         let unit = bounding_radius / f64::from(SCENE_RADIUS);
-        Self {
+        Ok(Self {
             center,
             unit: if unit > 0.0 { unit } else { 1.0 },
-        }
+        })
     }
 
     /// World coordinates to scene units.
@@ -230,11 +233,19 @@ fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
         EmitterDescription::Point {
             position,
             intensity,
-        } => Emitter::Point {
-            position: units.point(position).as_vec3a(),
-            // Irradiance I/d^2 must not change with the unit of d.
-            intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
-        },
+        } => {
+            let position = units.point(position).as_vec3a();
+            if !position.is_finite() {
+                return Err(SceneError::SingularTransform {
+                    name: "point emitter".into(),
+                });
+            }
+            Emitter::Point {
+                position,
+                // Irradiance I/d^2 must not change with the unit of d.
+                intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
+            }
+        }
         EmitterDescription::Directional {
             direction,
             irradiance,

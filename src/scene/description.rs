@@ -146,6 +146,9 @@ pub enum SceneError {
         /// Shape or sensor.
         name: String,
     },
+    /// Shapes whose distance is no number.
+    #[error("the shapes are too large or too far from one another for numbers to tell")]
+    TooLarge,
     /// A sphere under shear or uneven scale.
     #[error(
         "{name}: a sphere can be moved, turned and evenly scaled, but not stretched or sheared"

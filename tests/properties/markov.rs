@@ -88,8 +88,8 @@ proptest! {
     /// Two streams that differ in seed, purpose or index have nothing in common; the same is the same.
     #[test]
     fn streams_are_their_own(
-        a in (0_u64..50, purpose(), 0_u64..50),
-        b in (0_u64..50, purpose(), 0_u64..50),
+        a in (0_u64..3, purpose(), 0_u64..3),
+        b in (0_u64..3, purpose(), 0_u64..3),
     ) {
         let numbers = |(seed, purpose, index): (u64, Purpose, u64)| {
             let mut stream = seeds::generator(seed, purpose, index);

@@ -167,3 +167,24 @@ fn emitters_know_their_shapes_and_kinds() {
     assert_eq!(scene.geometry.shape_name(0), "shape");
     assert_eq!(scene.geometry.material(3), 0);
 }
+
+/// Places that overflow are told: what is left out or rendered as NaN would be black without a word.
+#[test]
+fn places_beyond_all_numbers_are_refused() {
+    let far = DMat4::from_translation(DVec3::new(1e300, 0.0, 0.0));
+    let cube = |to_world| mesh(TriangleMesh::cube(), to_world);
+    let apart = description(vec![cube(DMat4::IDENTITY), cube(far)], vec![lamp()]);
+    assert!(matches!(apart.build().err(), Some(SceneError::TooLarge)));
+
+    let mut unseen = description(vec![cube(DMat4::IDENTITY)], vec![lamp()]);
+    unseen.camera.to_world = far;
+    let refused = |error| matches!(error, Some(SceneError::SingularTransform { .. }));
+    assert!(refused(unseen.build().err()));
+
+    let light = EmitterDescription::Point {
+        position: far.w_axis.truncate(),
+        intensity: Rgb::ONE,
+    };
+    let unlit = description(vec![cube(DMat4::IDENTITY)], vec![light]);
+    assert!(refused(unlit.build().err()));
+}

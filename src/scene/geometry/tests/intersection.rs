@@ -118,6 +118,15 @@ fn so_it_does_over_several_chunks() {
     assert!(hits > 500, "{hits}");
 }
 
+/// Small enough for Miri (`tests/sanitize.sh`).
+#[test]
+fn small_hierarchies_do_as_well() {
+    let ball = sphere(DVec3::new(1.2, 0.1, 0.3), 0.4);
+    let scene = scene(vec![mesh(blob(5), DMat4::IDENTITY), ball], vec![]);
+    let hits = compare_with_brute_force(&scene, 60, 6);
+    assert!(hits > 10, "{hits}");
+}
+
 #[test]
 fn rays_from_far_outside_meet_the_scene() {
     let scene = scene(vec![mesh(TriangleMesh::cube(), DMat4::IDENTITY)], vec![]);

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The acceleration structure's crate is the only part of a render with `unsafe` code. This builds and
+# traverses hierarchies under tools that see a read or write out of bounds: AddressSanitizer, fast
+# enough for all tests of the geometry, and Miri, which sees all undefined behaviour, for a small one.
+#
+#     tests/sanitize.sh [address|miri]
+#
+# Both need a nightly toolchain; Miri also `rustup component add miri rust-src --toolchain nightly`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+target=x86_64-unknown-linux-gnu
+
+address() {
+    # A folder of its own: these objects are of no use to anything else.
+    RUSTFLAGS="-Zsanitizer=address -Ctarget-cpu=native" CARGO_TARGET_DIR=target/sanitize \
+        cargo +nightly test --release --target "$target" --lib geometry
+}
+
+miri() {
+    # Leaks and integers cast to pointers are the thread pool's, which ends with the process.
+    MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-permissive-provenance" \
+        RAYON_NUM_THREADS=1 RUSTFLAGS="" CARGO_TARGET_DIR=target/sanitize \
+        cargo +nightly miri test --target "$target" --lib small_hierarchies
+}
+
+case "${1:-all}" in
+    address) address ;;
+    miri) miri ;;
+    all) address && miri ;;
+    *) echo "usage: tests/sanitize.sh [address|miri]" >&2 && exit 2 ;;
+esac
