@@ -67,7 +67,9 @@ fn write(path: &Path, bytes: &[u8]) {
 pub fn scene(bytes: &[u8]) {
     let path = file("scene.xml");
     write(&path, bytes);
-    load_and_render(&path);
+    if let Err(error) = load_and_render(&path) {
+        report(error);
+    }
 }
 
 /// Loads a mesh and renders it: as it is, and as an emitter with other options.
@@ -89,7 +91,9 @@ pub fn mesh(kind: &str, bytes: &[u8]) {
         );
         let scene = file(&format!("with_{kind}.xml"));
         write(&scene, text.as_bytes());
-        load_and_render(&scene);
+        if let Err(error) = load_and_render(&scene) {
+            drop(error.to_string());
+        }
     }
 }
 
@@ -106,22 +110,20 @@ pub fn image(extension: &str, bytes: &[u8]) {
     }
 }
 
-fn load_and_render(path: &Path) {
-    match load(path, &[]) {
-        Err(error) => report(error),
-        Ok(loaded) => {
-            for warning in &loaded.warnings {
-                drop(warning.to_string());
-            }
-            let mut description = loaded.description;
-            let most = description.depth.max_depth.unwrap_or(MOST_EDGES);
-            description.depth.max_depth = Some(most.min(MOST_EDGES));
-            match description.build() {
-                Ok(scene) => render(&scene),
-                Err(error) => drop(error.to_string()),
-            }
-        }
+/// Errors are those of loading alone.
+fn load_and_render(path: &Path) -> Result<(), LoadError> {
+    let loaded = load(path, &[])?;
+    for warning in &loaded.warnings {
+        drop(warning.to_string());
     }
+    let mut description = loaded.description;
+    let most = description.depth.max_depth.unwrap_or(MOST_EDGES);
+    description.depth.max_depth = Some(most.min(MOST_EDGES));
+    match description.build() {
+        Ok(scene) => render(&scene),
+        Err(error) => drop(error.to_string()),
+    }
+    Ok(())
 }
 
 /// Shows the error as the command does, with the line and a caret under the fault.
