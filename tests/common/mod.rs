@@ -1,6 +1,7 @@
 //! What several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod comparison;
 pub mod figures;
 pub mod tiles;
 pub mod truths;

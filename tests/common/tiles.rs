@@ -4,19 +4,20 @@ use metrolight::render::{Settings, Unobserved, render};
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
 
-/// Sums of `pixels` over tiles of `side` x `side`, three channels each, with the number of pixels.
-pub fn tile_sums(pixels: &[[f32; 3]], width: usize, side: usize) -> Vec<(f64, u32)> {
-    let columns = width.div_ceil(side);
-    let rows = (pixels.len() / width).div_ceil(side);
+/// Means of `pixels` over tiles of `size` (width, height), three channels each.
+pub fn tile_means(pixels: &[[f32; 3]], width: usize, size: [usize; 2]) -> Vec<f64> {
+    let columns = width.div_ceil(size[0]);
+    let rows = (pixels.len() / width).div_ceil(size[1]);
     let mut sums = vec![(0.0, 0); columns * rows * 3];
     for (i, pixel) in pixels.iter().enumerate() {
-        let tile = i / width / side * columns + i % width / side;
+        let tile = i / width / size[1] * columns + i % width / size[0];
         for (c, &value) in pixel.iter().enumerate() {
             sums[tile * 3 + c].0 += f64::from(value);
             sums[tile * 3 + c].1 += 1;
         }
     }
-    sums
+    let mean = |(sum, count): (f64, u32)| sum / f64::from(count);
+    sums.into_iter().map(mean).collect()
 }
 
 /// Moments over `seeds` of the means of all tiles; `settings` names everything but the seed.
@@ -35,10 +36,10 @@ pub fn tile_moments(
         let image = render(scene, &settings, &Unobserved)
             .expect("threads")
             .image;
-        let tiles = tile_sums(&image.pixels, image.width, side);
+        let tiles = tile_means(&image.pixels, image.width, [side; 2]);
         moments.resize(tiles.len(), Moments::default());
-        for (m, (sum, count)) in moments.iter_mut().zip(tiles) {
-            m.add(sum / f64::from(count));
+        for (m, mean) in moments.iter_mut().zip(tiles) {
+            m.add(mean);
         }
     }
     moments
