@@ -111,7 +111,10 @@ pub struct Comparison {
     /// Numbers that name our renderings and the reference among all.
     names: [u64; 2],
     /// Smallest relative bias that would be found with probability [`POWER`], of each test.
-    pub catchable: Vec<f64>,
+    catchable: Vec<f64>,
+    /// By how much our whole image is brighter, and the standard error of that, relative, in green: most
+    /// of the luminance.
+    pub excess: [f64; 2],
 }
 
 impl Comparison {
@@ -124,12 +127,16 @@ impl Comparison {
             deviations: [Vec::new(), Vec::new()],
             names,
             catchable: Vec::new(),
+            excess: [0.0; 2],
         };
         let pairs: Vec<_> = ours.moments.iter().zip(&reference.moments).collect();
         let level = alpha / pairs.len() as f64;
         for (j, (a, b)) in pairs.iter().enumerate() {
             let error = a.standard_error().hypot(b.standard_error());
             let brightness = b.mean.abs();
+            if j + 2 == pairs.len() {
+                all.excess = [a.mean - b.mean, error].map(|x| x / brightness);
+            }
             if error <= NOISELESS * brightness {
                 let same = (a.mean - b.mean).abs() <= NEGLIGIBLE * brightness;
                 all.adjusted.push(if same { 1.0 } else { 0.0 });
@@ -165,6 +172,11 @@ impl Comparison {
         [median(tiles.to_vec()), worst(tiles), worst(image)]
     }
 
+    /// The p-values P(Z < z) of the tests that have noise.
+    pub fn p_values(&self) -> impl Iterator<Item = f64> {
+        self.scores.iter().map(|&z| Normal::standard().cdf(z))
+    }
+
     /// Appends scores of a world like this one in which the null hypothesis is true: normal, and
     /// correlated over tiles, channels and comparisons as the renderings are.
     fn imagine(&self, replicate: u64, scores: &mut Vec<f64>) {
@@ -193,19 +205,17 @@ pub fn uniformity<'a>(
     replicates: u64,
 ) -> f64 {
     let comparisons: Vec<&Comparison> = comparisons.into_iter().collect();
-    let distance = |mut scores: Vec<f64>| {
-        let normal = Normal::standard();
-        scores.iter_mut().for_each(|z| *z = normal.cdf(*z));
-        distance_from_uniform(&mut scores)
-    };
-    let scores = comparisons.iter().flat_map(|c| &c.scores).copied();
-    let found = distance(scores.collect());
+    let mut p_values: Vec<f64> = comparisons.iter().flat_map(|c| c.p_values()).collect();
+    let found = distance_from_uniform(&mut p_values);
     let is_as_far = |replicate: u64| {
         let mut scores = Vec::new();
         comparisons
             .iter()
             .for_each(|c| c.imagine(replicate, &mut scores));
-        distance(scores) >= found
+        scores
+            .iter_mut()
+            .for_each(|z| *z = Normal::standard().cdf(*z));
+        distance_from_uniform(&mut scores) >= found
     };
     let as_far = (0..replicates).into_par_iter().filter(|&r| is_as_far(r));
     (as_far.count() + 1) as f64 / (replicates + 1) as f64
