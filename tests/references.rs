@@ -135,7 +135,7 @@ const QUICK: Form = Form {
 const FINE: Form = Form {
     alpha: 1e-3,
     tile: [16, 12],
-    seeds: 64,
+    seeds: 32,
 };
 
 /// All comparisons of one run, and what was found.
@@ -374,32 +374,34 @@ const AIM: f64 = 0.005;
 /// Samples per pixel of one of our renderings so that the fine form reaches its aim. A pilot run with
 /// seeds of its own tells how noisy the scene is; where the reference alone is too noisy for the aim,
 /// half its error is enough.
-fn samples_for_aim(scene: &Scene, integrator: Integrator, reference: &Renderings) -> u64 {
-    const SAMPLES: u64 = 64;
+fn samples_for_aim(scene: &Scene, settings: &Settings, reference: &Renderings) -> u64 {
+    const SAMPLES: u64 = 16;
     const SEEDS: u64 = 8;
     let settings = Settings {
         budget: Budget::SamplesPerPixel(SAMPLES),
-        bootstrap: Some(1 << 16),
-        ..Settings::new(integrator)
+        ..settings.clone()
     };
     let pilot = Renderings::render(scene, &settings, 0..SEEDS, FINE.tile);
     let statistics = render(scene, &settings, &Unobserved)
         .expect("threads")
         .statistics;
-    let rays = (statistics.closest_hit_rays + statistics.shadow_rays) as f64;
+    let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
+    let bootstrap = settings
+        .bootstrap
+        .filter(|_| settings.integrator.is_metropolis());
+    let samples = SAMPLES * pixels + bootstrap.unwrap_or(0);
+    let rays = (statistics.closest_hit_rays + statistics.shadow_rays) as f64 / samples as f64;
 
-    // What the difference of two samples of FINE.seeds values with variance 1 has to be, in errors.
-    let unit = Moments::from_summary(FINE.seeds, 0.0, 0.5 * FINE.seeds as f64);
+    // The errors that the difference has to be larger by, if both sides have the same.
+    let side = Moments::from_summary(FINE.seeds, 0.0, 0.5 * FINE.seeds as f64);
     let tests = reference.moments().len() as f64;
-    let quantiles = smallest_detectable(&unit, &unit, FINE.alpha / tests, POWER);
+    let quantiles = smallest_detectable(&side, &side, FINE.alpha / tests, POWER);
     let wanted = (AIM / quantiles).powi(2) - reference.error().powi(2);
     let variance = wanted.max((0.5 * reference.error()).powi(2));
     // A margin for the noise of the pilot.
-    let renderings = 1.2 * pilot.error().powi(2) / variance * SEEDS as f64;
-    let renderings = renderings.min(MOST_RAYS / rays);
-    (SAMPLES as f64 * renderings / FINE.seeds as f64)
-        .ceil()
-        .max(16.0) as u64
+    let samples = 1.2 * pilot.error().powi(2) / variance * (SEEDS * SAMPLES * pixels) as f64;
+    let samples = samples.min(MOST_RAYS / rays) / (FINE.seeds * pixels) as f64;
+    (samples.ceil() as u64).max(SAMPLES)
 }
 
 /// Every scene of `scenes/` and every published scene that is here, by all integrators that find their
@@ -421,11 +423,12 @@ fn scenes_equal_their_references_finely() {
                         || lost_light(&scene, Sampler::Light).is_empty())
         });
         for integrator in integrators {
-            let settings = Settings {
-                budget: Budget::SamplesPerPixel(samples_for_aim(&scene, integrator, &reference)),
-                bootstrap: Some(1 << 17),
+            let mut settings = Settings {
+                bootstrap: Some(1 << 16),
                 ..Settings::new(integrator)
             };
+            let samples = samples_for_aim(&scene, &settings, &reference);
+            settings.budget = Budget::SamplesPerPixel(samples);
             let comparison = run.compare((index, entry), &scene, &settings, &reference);
             record_image(
                 &format!("{}, {}", entry.name, integrator.name()),

@@ -3,7 +3,7 @@
 //!
 //! For each tile and channel, and for each channel of the whole image, z = (a - b) / sqrt(var a + var
 //! b), where both variances are those of means over independent renderings. As these are few (16 to
-//! 64), z is drawn in by Welch's test, so that it is standard normal under the null hypothesis of equal
+//! 32), z is drawn in by Welch's test, so that it is standard normal under the null hypothesis of equal
 //! means; with the normal distribution itself, z beyond 4 would be some ten times as frequent as it says.
 //! Two verdicts follow:
 //!
