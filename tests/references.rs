@@ -164,8 +164,8 @@ impl Run {
     ) -> &Comparison {
         let form = &self.form;
         let integrator = settings.integrator;
-        // No two integrators share a random number.
-        let first = 1000 * (integrator as u64 + 1);
+        // No two images share a random number.
+        let first = 10_000 * (integrator as u64 + 1) + 100 * index;
         let ours = Renderings::render(scene, settings, first..first + form.seeds, form.tile);
         let names = [index * 10 + integrator as u64, index];
         let comparison = Comparison::new(&ours, reference, form.alpha, names);
@@ -366,7 +366,7 @@ fn verdicts_keep_their_level_and_find_what_they_say() {
 }
 
 /// Rays that one comparison of the fine form may cost.
-const MOST_RAYS: f64 = 1e8;
+const MOST_RAYS: f64 = 5e7;
 
 /// The bias that the fine form is to find in the median tile.
 const AIM: f64 = 0.005;

@@ -38,7 +38,7 @@ def reference(scene, spp, methods="all", name=None, **defines):
     path = scene if "/" in scene else f"tests/references/scenes/{scene}.xml"
     # The depth limit of the scene is written down as a number of its own.
     text = (ROOT / path).read_text(encoding="utf-8") if (ROOT / path).exists() else ""
-    default = re.search(r'^\s*<default name="max_depth" value="(\d+)" ?/>', text, re.MULTILINE)
+    default = re.search(r'^\s*<(?:default|integer) name="max_depth" value="(\d+)" ?/>', text, re.MULTILINE)
     return {
         "name": name or scene.split("/")[-2 if "/" in scene else -1],
         "scene": path,
@@ -49,6 +49,7 @@ def reference(scene, spp, methods="all", name=None, **defines):
         "samples_per_pixel": spp,
         "renderings": RENDERINGS,
         "tile": [TILE_WIDTH, TILE_HEIGHT],
+        "first_seed": 0,
         "methods": methods,
     }
 
@@ -87,15 +88,22 @@ REFERENCES = [
         reference("camera", 128, name=f"camera_{axis}", fov_axis=axis)
         for axis in ("x", "y", "diagonal", "smaller", "larger")
     ],
+    # Lit by what light subpaths scatter at tilted shading normals and through water.
+    reference("tests/scenes/adjoint.xml", 1024, name="adjoint"),
 ]
+# The small scenes have much in common: with the same random numbers their noise would be alike too.
+for number, entry in enumerate(entry for entry in REFERENCES if entry["scene"].startswith("tests/")):
+    entry["first_seed"] = 1000 * (number + 1)
 
 
-def rendering(scene, spp, index):
+def rendering(scene, entry, index):
     """One rendering, of shape (height, width, 3) in float64; no two of them share a random number."""
+    spp = entry["samples_per_pixel"]
     at_once = min(spp, MOST_AT_ONCE)
-    seeds = range(index * (spp // at_once), (index + 1) * (spp // at_once))
-    parts = [np.array(mi.render(scene, spp=at_once, seed=seed), dtype=np.float64)[..., :3] for seed in seeds]
-    return np.mean(parts, axis=0)
+    parts = spp // at_once
+    first = entry["first_seed"] + index * parts
+    images = [np.array(mi.render(scene, spp=at_once, seed=seed)) for seed in range(first, first + parts)]
+    return np.mean([image.astype(np.float64)[..., :3] for image in images], axis=0)
 
 
 def tiles(image, width=TILE_WIDTH, height=TILE_HEIGHT):
@@ -108,7 +116,7 @@ def render(entry):
     """The mean, the variance of the mean, both per pixel, and the tiles of all renderings."""
     size = {"resx": str(entry["width"]), "resy": str(entry["height"]), "integrator": "path"}
     scene = mi.load_file(str(ROOT / entry["scene"]), **size, **entry["defines"])
-    images = np.array([rendering(scene, entry["samples_per_pixel"], i) for i in range(entry["renderings"])])
+    images = np.array([rendering(scene, entry, i) for i in range(entry["renderings"])])
     return images.mean(axis=0), images.var(axis=0, ddof=1) / len(images), np.array([tiles(i) for i in images])
 
 
