@@ -14,7 +14,7 @@ use crate::path::{Connection, Escape, Heuristic, Subpath, Vertex, dimensions};
 use crate::scene::{RayCounts, Scene};
 
 pub use bdpt::Technique;
-pub use lost_light::{LostLight, lost_light};
+pub use lost_light::{Loss, LostLight, lost_light};
 
 /// The path samplers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
