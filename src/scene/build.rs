@@ -7,41 +7,47 @@ use super::camera::Camera;
 use super::emitter::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
 };
-use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
+use super::geometry::GeometryBuilder;
 use super::{
     EmitterDescription, SCENE_RADIUS, Scene, SceneDescription, SceneError, ShapeDescription,
     ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
-use crate::math::distribution::MOST_OUTCOMES;
 
 /// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
 /// scene file.
 const SIMILARITY_TOLERANCE: f64 = 1e-4;
+
+/// Coordinates of a scene file stay below this in size and its scene has at least that radius, in
+/// its own unit of length. Between them intensities over the square of a scene unit, from 1e-15 to
+/// 1e12 in size, are far from the ends of f32, and nothing that is computed in f64 overflows.
+const LARGEST: f64 = 1e15;
+const SMALLEST: f64 = 1e-12;
 
 impl SceneDescription {
     /// The scene, ready to be rendered. Materials and textures are taken as they are.
     ///
     /// # Errors
     /// If a transform is singular, or stretches a sphere or environment; if an area emitter has no
-    /// area; if there is no emitter, or more than one environment.
+    /// area; if there is no emitter, or more than one environment; if coordinates are too large, or
+    /// the scene is too small, for f32.
     pub fn build(self) -> Result<Scene, SceneError> {
         for shape in &self.shapes {
             check_transform(shape)?;
         }
+        check_places(&self)?;
         let units = Units::of(&self.shapes)?;
         let aspect = f64::from(self.film.width) / f64::from(self.film.height);
         let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
-        let emissions: Vec<Option<Rgb>> = self.shapes.iter().map(|s| s.emission).collect();
         let mut geometry = GeometryBuilder::default();
+        let mut emitters = Vec::new();
         for shape in self.shapes {
-            add_shape(shape, &units, &mut geometry);
+            emitters.extend(add_shape(shape, &units, &mut geometry)?);
         }
-        let geometry = geometry.build();
-        let mut emitters = area_emitters(&geometry, &emissions)?;
         for emitter in self.emitters {
             emitters.push(place_emitter(emitter, &units)?);
         }
+        let geometry = geometry.build();
         Ok(Scene {
             camera,
             emitters: Emitters::new(emitters, geometry.shape_count())?,
@@ -85,14 +91,17 @@ impl Units {
                 bounding_radius = bounding_radius.max(extreme.distance(center) + radius);
             });
         }
-        if !bounding_radius.is_finite() {
-            return Err(SceneError::TooLarge);
+        if bounding_radius == 0.0 {
+            return Ok(Self { center, unit: 1.0 });
+        }
+        if bounding_radius < SMALLEST {
+            return Err(SceneError::TooSmall {
+                radius: bounding_radius,
+                smallest: SMALLEST,
+            });
         }
         let unit = bounding_radius / f64::from(SCENE_RADIUS);
-        Ok(Self {
-            center,
-            unit: if unit > 0.0 { unit } else { 1.0 },
-        })
+        Ok(Self { center, unit })
     }
 
     /// World coordinates to scene units.
@@ -128,6 +137,36 @@ fn for_each_extreme(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64))
     }
 }
 
+/// Checks that shapes, emitters and the sensor are at places that can be computed with.
+fn check_places(description: &SceneDescription) -> Result<(), SceneError> {
+    let check = |name: &str, farthest: f64| {
+        // Not a comparison with `>=`: NaN is too large as well.
+        if farthest < LARGEST {
+            return Ok(());
+        }
+        Err(SceneError::TooLarge {
+            name: name.into(),
+            coordinate: farthest,
+            largest: LARGEST,
+        })
+    };
+    for shape in &description.shapes {
+        let mut farthest: f64 = 0.0;
+        for_each_extreme(shape, |center, radius| {
+            let reach = center.abs().max_element() + radius;
+            farthest = farthest.max(if reach.is_nan() { f64::INFINITY } else { reach });
+        });
+        check(&shape.name, farthest)?;
+    }
+    for emitter in &description.emitters {
+        if let EmitterDescription::Point { position, .. } = emitter {
+            check("point emitter", position.abs().max_element())?;
+        }
+    }
+    let camera = description.camera.to_world.w_axis.truncate();
+    check("sensor", camera.abs().max_element())
+}
+
 /// Checks that a shape's transform has an inverse, and is a similarity if the shape is a sphere.
 fn check_transform(shape: &ShapeDescription) -> Result<(), SceneError> {
     let name = || shape.name.clone();
@@ -159,18 +198,28 @@ fn orthogonal(linear: DMat3) -> Option<DMat3> {
     similar.then_some(unit)
 }
 
-fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuilder) {
+/// Adds a shape, and tells the emitter that it is.
+fn add_shape(
+    shape: ShapeDescription,
+    units: &Units,
+    geometry: &mut GeometryBuilder,
+) -> Result<Option<Emitter>, SceneError> {
     let ShapeDescription {
         name,
         material,
         flip_normals,
+        emission,
         ..
     } = shape;
     let to_scene = units.placed(&shape.to_world);
-    match shape.geometry {
+    let (index, light) = match shape.geometry {
         ShapeGeometry::Mesh(mesh) => {
             let mesh = place_mesh(mesh, &to_scene);
-            geometry.add_mesh(name, material, flip_normals, mesh);
+            let index = geometry.add_mesh(name.clone(), material, flip_normals, mesh);
+            let light = emission.map(|radiance| {
+                AreaEmitter::triangles(radiance, geometry.last_triangles().collect())
+            });
+            (index, light)
         }
         ShapeGeometry::Sphere { center, radius } => {
             // A negative radius is a reflection in the centre, as in Mitsuba.
@@ -180,34 +229,21 @@ fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuil
             let radius = linear.determinant().abs().cbrt() as f32;
             let to_local = orthogonal(linear).unwrap_or(DMat3::IDENTITY).transpose();
             let to_local = to_local.as_mat3().into();
-            geometry.add_sphere(name, material, inward, (center, radius), to_local);
+            let ball = (center, radius);
+            let index = geometry.add_sphere(name.clone(), material, inward, ball, to_local);
+            let light =
+                emission.map(|radiance| AreaEmitter::sphere(radiance, center, radius, inward));
+            (index, light)
         }
+    };
+    match light {
+        None => Ok(None),
+        Some(None) => Err(SceneError::EmitterWithoutArea { name }),
+        Some(Some(light)) => Ok(Some(Emitter::Area {
+            light,
+            shape: index,
+        })),
     }
-}
-
-/// The shapes that shine; `emissions` are the radiances of all shapes.
-fn area_emitters(
-    geometry: &Geometry,
-    emissions: &[Option<Rgb>],
-) -> Result<Vec<Emitter>, SceneError> {
-    let surfaces = geometry.surfaces(|shape| emissions[shape as usize].is_some());
-    let mut emitters = Vec::new();
-    for ((shape, surface), emission) in (0..).zip(surfaces).zip(emissions) {
-        let &Some(radiance) = emission else { continue };
-        let name = || geometry.shape_name(shape).to_owned();
-        if let PlacedSurface::Triangles(triangles) = &surface
-            && triangles.len() > MOST_OUTCOMES
-        {
-            return Err(SceneError::EmitterOfTooManyTriangles {
-                name: name(),
-                most: MOST_OUTCOMES,
-            });
-        }
-        let light = AreaEmitter::new(radiance, surface)
-            .ok_or_else(|| SceneError::EmitterWithoutArea { name: name() })?;
-        emitters.push(Emitter::Area { light, shape });
-    }
-    Ok(emitters)
 }
 
 /// The mesh in scene units, its normals of unit length.
@@ -233,19 +269,11 @@ fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
         EmitterDescription::Point {
             position,
             intensity,
-        } => {
-            let position = units.point(position).as_vec3a();
-            if !position.is_finite() {
-                return Err(SceneError::SingularTransform {
-                    name: "point emitter".into(),
-                });
-            }
-            Emitter::Point {
-                position,
-                // Irradiance I/d^2 must not change with the unit of d.
-                intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
-            }
-        }
+        } => Emitter::Point {
+            position: units.point(position).as_vec3a(),
+            // Irradiance I/d^2 must not change with the unit of d.
+            intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
+        },
         EmitterDescription::Directional {
             direction,
             irradiance,

@@ -70,14 +70,10 @@ impl Camera {
         if !m.is_finite() || right.cross(up).dot(forward).abs() < 1e-9 {
             return Err(singular());
         }
-        let position = ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a();
-        if !position.is_finite() {
-            return Err(singular());
-        }
         let tan_x = (0.5 * description.fov_x.to_radians()).tan();
         let lens = description.lens;
         Ok(Self {
-            position,
+            position: ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a(),
             right: right.as_vec3a(),
             up: up.as_vec3a(),
             forward: forward.as_vec3a(),

@@ -146,9 +146,6 @@ pub enum SceneError {
         /// Shape or sensor.
         name: String,
     },
-    /// Shapes whose distance is no number.
-    #[error("the shapes are too large or too far from one another for numbers to tell")]
-    TooLarge,
     /// A sphere under shear or uneven scale.
     #[error(
         "{name}: a sphere can be moved, turned and evenly scaled, but not stretched or sheared"
@@ -176,6 +173,30 @@ pub enum SceneError {
         name: String,
         /// How many there can be.
         most: usize,
+    },
+    /// A place that cannot be computed with.
+    #[error(
+        "{name}: coordinates reach {coordinate:e}; they must be below {largest:e} in size. Choose a \
+         larger unit of length, or leave out what is so far away"
+    )]
+    TooLarge {
+        /// Shape, emitter or sensor.
+        name: String,
+        /// Its largest coordinate, in the units of the scene file.
+        coordinate: f64,
+        /// What it must stay below.
+        largest: f64,
+    },
+    /// A scene whose extent cannot be computed with.
+    #[error(
+        "the scene is too small: all shapes fit into a sphere of radius {radius:e}, which must be at \
+         least {smallest:e}. Choose a smaller unit of length"
+    )]
+    TooSmall {
+        /// Of the bounding sphere of all shapes, in the units of the scene file.
+        radius: f64,
+        /// The least that it may be.
+        smallest: f64,
     },
     /// Nothing gives light.
     #[error(

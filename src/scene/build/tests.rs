@@ -168,23 +168,56 @@ fn emitters_know_their_shapes_and_kinds() {
     assert_eq!(scene.geometry.material(3), 0);
 }
 
-/// Places that overflow are told: what is left out or rendered as NaN would be black without a word.
+/// The message names what is at fault and says what would be right.
 #[test]
-fn places_beyond_all_numbers_are_refused() {
-    let far = DMat4::from_translation(DVec3::new(1e300, 0.0, 0.0));
-    let cube = |to_world| mesh(TriangleMesh::cube(), to_world);
-    let apart = description(vec![cube(DMat4::IDENTITY), cube(far)], vec![lamp()]);
-    assert!(matches!(apart.build().err(), Some(SceneError::TooLarge)));
-
-    let mut unseen = description(vec![cube(DMat4::IDENTITY)], vec![lamp()]);
-    unseen.camera.to_world = far;
-    let refused = |error| matches!(error, Some(SceneError::SingularTransform { .. }));
-    assert!(refused(unseen.build().err()));
-
-    let light = EmitterDescription::Point {
-        position: far.w_axis.truncate(),
+fn absurd_coordinates_are_refused() {
+    let far = |distance: f64| DMat4::from_translation(DVec3::Y * distance);
+    let error = |to_world, center, radius, camera| {
+        let mut ball = sphere(center, radius);
+        ball.name = "ball".into();
+        let plate = mesh(TriangleMesh::rectangle(), to_world);
+        let mut description = description(vec![plate, ball], vec![lamp()]);
+        description.camera.to_world = camera;
+        description.build().err().map(|error| error.to_string())
+    };
+    let here = DMat4::IDENTITY;
+    let at = |name, coordinate| {
+        Some(format!(
+            "{name}: coordinates reach {coordinate}; they must be below 1e15 in size. Choose a larger \
+             unit of length, or leave out what is so far away"
+        ))
+    };
+    assert_eq!(
+        error(far(1e30), DVec3::ZERO, 1.0, here),
+        at("shape", "1e30")
+    );
+    assert_eq!(error(here, DVec3::X * 1e30, 1.0, here), at("ball", "1e30"));
+    assert_eq!(error(here, DVec3::ZERO, 1e308, here), at("ball", "1e308"));
+    assert_eq!(
+        error(here, DVec3::ZERO, 1.0, far(1e30)),
+        at("sensor", "1e30")
+    );
+    assert_eq!(error(far(9e14), DVec3::X * -9e14, 1.0, far(9e14)), None);
+    let mut huge = TriangleMesh::rectangle();
+    huge.positions[1] = [3e38; 3];
+    let huge = description(vec![mesh(huge, here)], vec![lamp()]).build();
+    assert!(matches!(huge, Err(SceneError::TooLarge { .. })));
+    let point = EmitterDescription::Point {
+        position: DVec3::Z * -1e16,
         intensity: Rgb::ONE,
     };
-    let unlit = description(vec![cube(DMat4::IDENTITY)], vec![light]);
-    assert!(refused(unlit.build().err()));
+    let point = description(vec![], vec![point]).build().err();
+    assert!(matches!(point, Some(SceneError::TooLarge { name, .. }) if name == "point emitter"));
+}
+
+#[test]
+fn scenes_without_extent_for_f32_are_refused() {
+    let speck = |radius| {
+        let speck = description(vec![sphere(DVec3::ZERO, radius)], vec![lamp()]);
+        speck.build().err().map(|error| error.to_string())
+    };
+    let message = "the scene is too small: all shapes fit into a sphere of radius 1e-13, which must be \
+                   at least 1e-12. Choose a smaller unit of length";
+    assert_eq!(speck(1e-13).as_deref(), Some(message));
+    assert_eq!(speck(2e-12), None);
 }
