@@ -477,6 +477,34 @@ fn lost_light_is_told_by_check_and_render() {
     assert!(place.path("lost-caustic.exr").exists());
 }
 
+/// A closed white room that shines, with paths of any length: told of, until the length is limited.
+#[test]
+fn trapped_light_is_told_by_check_and_render() {
+    const FURNACE: &str = r#"<scene version="3.0.0">
+        <sensor type="perspective"/>
+        <shape type="sphere">
+            <boolean name="flip_normals" value="true"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="1, 1, 1"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="1, 1, 1"/></emitter>
+        </shape>
+    </scene>"#;
+    let place = Workplace::new();
+    fs::write(place.path("furnace.xml"), FURNACE).expect("written");
+    let render = "render furnace.xml -q --spp 1 --size 8x6 --integrator bdpt";
+    for command in ["check furnace.xml", render] {
+        place
+            .run(command)
+            .assert()
+            .success()
+            .stderr(contains("warning: trapped light: 100%"));
+        place
+            .run(&format!("{command} --max-depth 9"))
+            .assert()
+            .success()
+            .stderr(contains("trapped light").not());
+    }
+}
+
 #[test]
 fn help_needs_no_manual() {
     let place = Workplace::new();

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use metrolight::integrators::trapped_light;
 use metrolight::mitsuba::{self, Overrides};
 use metrolight::scene::Scene;
 use miette::IntoDiagnostic;
@@ -38,7 +39,7 @@ pub struct SceneArgs {
 /// A scene ready to be rendered, and what it took.
 pub struct Opened {
     pub scene: Scene,
-    /// What is strange about its files.
+    /// What is strange about its files, and about the scene whatever the integrator.
     pub warnings: Vec<String>,
     /// For reading and decoding all files.
     pub load_seconds: f64,
@@ -52,7 +53,7 @@ impl SceneArgs {
         let start = Instant::now();
         let overrides = Overrides { size: self.size };
         let loaded = mitsuba::load_with(&self.path, &self.defines, overrides)?;
-        let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+        let mut warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
         let mut description = loaded.description;
         if let Some(limit) = self.max_depth {
             description.depth.max_depth = limit.0;
@@ -63,11 +64,13 @@ impl SceneArgs {
         let scene = description
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        warnings.extend(trapped_light(&scene).map(|trapped| trapped.to_string()));
         Ok(Opened {
             scene,
             warnings,
             load_seconds,
-            build_seconds: start.elapsed().as_secs_f64(),
+            build_seconds,
         })
     }
 

@@ -5,6 +5,7 @@ pub mod bdpt;
 pub mod light;
 pub mod lost_light;
 pub mod path;
+pub mod trapped_light;
 
 use glam::Vec2;
 
@@ -15,6 +16,7 @@ use crate::scene::{RayCounts, Scene};
 
 pub use bdpt::Technique;
 pub use lost_light::{Loss, LostLight, lost_light};
+pub use trapped_light::{TrappedLight, trapped_light};
 
 /// The path samplers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

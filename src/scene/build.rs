@@ -7,12 +7,13 @@ use super::camera::Camera;
 use super::emitter::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
 };
-use super::geometry::GeometryBuilder;
+use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
 use super::{
     EmitterDescription, SCENE_RADIUS, Scene, SceneDescription, SceneError, ShapeDescription,
     ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
+use crate::math::distribution::MOST_OUTCOMES;
 
 /// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
 /// scene file.
@@ -39,15 +40,16 @@ impl SceneDescription {
         let units = Units::of(&self.shapes)?;
         let aspect = f64::from(self.film.width) / f64::from(self.film.height);
         let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
+        let emissions: Vec<Option<Rgb>> = self.shapes.iter().map(|s| s.emission).collect();
         let mut geometry = GeometryBuilder::default();
-        let mut emitters = Vec::new();
         for shape in self.shapes {
-            emitters.extend(add_shape(shape, &units, &mut geometry)?);
+            add_shape(shape, &units, &mut geometry);
         }
+        let geometry = geometry.build();
+        let mut emitters = area_emitters(&geometry, &emissions)?;
         for emitter in self.emitters {
             emitters.push(place_emitter(emitter, &units)?);
         }
-        let geometry = geometry.build();
         Ok(Scene {
             camera,
             emitters: Emitters::new(emitters, geometry.shape_count())?,
@@ -198,28 +200,18 @@ fn orthogonal(linear: DMat3) -> Option<DMat3> {
     similar.then_some(unit)
 }
 
-/// Adds a shape, and tells the emitter that it is.
-fn add_shape(
-    shape: ShapeDescription,
-    units: &Units,
-    geometry: &mut GeometryBuilder,
-) -> Result<Option<Emitter>, SceneError> {
+fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuilder) {
     let ShapeDescription {
         name,
         material,
         flip_normals,
-        emission,
         ..
     } = shape;
     let to_scene = units.placed(&shape.to_world);
-    let (index, light) = match shape.geometry {
+    match shape.geometry {
         ShapeGeometry::Mesh(mesh) => {
             let mesh = place_mesh(mesh, &to_scene);
-            let index = geometry.add_mesh(name.clone(), material, flip_normals, mesh);
-            let light = emission.map(|radiance| {
-                AreaEmitter::triangles(radiance, geometry.last_triangles().collect())
-            });
-            (index, light)
+            geometry.add_mesh(name, material, flip_normals, mesh);
         }
         ShapeGeometry::Sphere { center, radius } => {
             // A negative radius is a reflection in the centre, as in Mitsuba.
@@ -229,21 +221,34 @@ fn add_shape(
             let radius = linear.determinant().abs().cbrt() as f32;
             let to_local = orthogonal(linear).unwrap_or(DMat3::IDENTITY).transpose();
             let to_local = to_local.as_mat3().into();
-            let ball = (center, radius);
-            let index = geometry.add_sphere(name.clone(), material, inward, ball, to_local);
-            let light =
-                emission.map(|radiance| AreaEmitter::sphere(radiance, center, radius, inward));
-            (index, light)
+            geometry.add_sphere(name, material, inward, (center, radius), to_local);
         }
-    };
-    match light {
-        None => Ok(None),
-        Some(None) => Err(SceneError::EmitterWithoutArea { name }),
-        Some(Some(light)) => Ok(Some(Emitter::Area {
-            light,
-            shape: index,
-        })),
     }
+}
+
+/// The shapes that shine; `emissions` are the radiances of all shapes.
+fn area_emitters(
+    geometry: &Geometry,
+    emissions: &[Option<Rgb>],
+) -> Result<Vec<Emitter>, SceneError> {
+    let surfaces = geometry.surfaces(|shape| emissions[shape as usize].is_some());
+    let mut emitters = Vec::new();
+    for ((shape, surface), emission) in (0..).zip(surfaces).zip(emissions) {
+        let &Some(radiance) = emission else { continue };
+        let name = || geometry.shape_name(shape).to_owned();
+        if let PlacedSurface::Triangles(triangles) = &surface
+            && triangles.len() > MOST_OUTCOMES
+        {
+            return Err(SceneError::EmitterOfTooManyTriangles {
+                name: name(),
+                most: MOST_OUTCOMES,
+            });
+        }
+        let light = AreaEmitter::new(radiance, surface)
+            .ok_or_else(|| SceneError::EmitterWithoutArea { name: name() })?;
+        emitters.push(Emitter::Area { light, shape });
+    }
+    Ok(emitters)
 }
 
 /// The mesh in scene units, its normals of unit length.
