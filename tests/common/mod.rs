@@ -1,11 +1,13 @@
 //! What several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod compare;
 pub mod comparison;
 pub mod figures;
 pub mod tiles;
 pub mod truths;
 pub mod words;
+pub mod worlds;
 
 use std::path::Path;
 

@@ -6,5 +6,7 @@
 mod common;
 
 mod metropolis;
+mod numbers;
+mod places;
 mod rooms;
 mod sweeps;

@@ -1,0 +1,330 @@
+//! Places at the edge: a camera in glass, in a lamp, on a surface; rooms that light cannot leave.
+
+use glam::{DMat4, DVec3};
+use metrolight::integrators::trapped_light;
+use metrolight::render::{Integrator, Settings, Unobserved, render};
+use metrolight::scene::{Scene, ThinLens, TriangleMesh};
+use metrolight::statistics::Moments;
+
+use super::numbers::{ALPHA, ROUNDING, figure, lamp_in_slab, row, told};
+use crate::common::compare::{assert_mean, mean, means, rendering, settings};
+use crate::common::worlds::{World, shine};
+
+use Integrator::{Bdpt, Light, Path, Pssmlt};
+
+/// Wherever light of radiance L can come from outside, radiance in glass is n^2 L: at the centre of a
+/// ball, and in a pane. Away from the centre of the ball, rays that meet its surface beyond the
+/// critical angle do so for ever: no light comes from there, and their paths must end.
+#[test]
+fn a_camera_in_glass() {
+    let n: f64 = 1.5;
+    for (what, from, to, truth) in [
+        ("centre of a ball", DVec3::ZERO, DVec3::X, n * n),
+        (
+            "off centre, along a radius",
+            DVec3::X * 0.9,
+            DVec3::X * 2.0,
+            n * n,
+        ),
+        (
+            "off centre, trapped",
+            DVec3::X * 0.9,
+            DVec3::new(0.9, 1.0, 0.0),
+            0.0,
+        ),
+    ] {
+        let mut world = World::seen(from, to, 5.0, [4, 3]);
+        let glass = world.glass(n as f32);
+        world.sphere(DVec3::ZERO, 1.0, glass);
+        world.sky(1.0);
+        let scene = world.build();
+        for integrator in [Path, Bdpt, Pssmlt] {
+            let moments = means(&scene, integrator, 200, 8);
+            let name = format!("{what}, {}", integrator.name());
+            assert_mean(&name, &moments, truth, ROUNDING, ALPHA);
+        }
+        row(
+            &format!("a camera inside glass: {what}"),
+            "path, bdpt, pssmlt",
+            format!("radiance {truth} L, with n^2 = 2.25, as in theory"),
+            told(&rendering(&scene, Path, 16, 1)),
+        );
+    }
+}
+
+/// Inside a lamp that shines inward every pixel is its radiance; inside one that shines outward, black.
+#[test]
+fn a_camera_in_a_lamp() {
+    for (inward, truth) in [(true, 3.0), (false, 0.0)] {
+        let mut world = World::seen(DVec3::new(0.2, 0.1, -0.3), DVec3::X, 60.0, [6, 4]);
+        let black = world.diffuse(0.0);
+        let lamp = world.sphere(DVec3::ZERO, 1.0, black);
+        lamp.flip_normals = inward;
+        shine(lamp, 3.0);
+        let scene = world.build();
+        let mut message = String::new();
+        for integrator in Integrator::ALL {
+            let rendering = rendering(&scene, integrator, 64, 1);
+            message = told(&rendering);
+            if integrator != Integrator::Light {
+                let pixels = rendering.image.pixels.iter().flatten();
+                let error = pixels
+                    .map(|&x| (f64::from(x) - truth).abs())
+                    .fold(0.0, f64::max);
+                // A Metropolis chain visits pixels at random, though its mean is exact.
+                let exact = if integrator == Pssmlt { 1.0 } else { 0.0 };
+                assert!(error <= exact * truth, "{}: {error}", integrator.name());
+            }
+            let moments = means(&scene, integrator, 256, 8);
+            assert_mean(integrator.name(), &moments, truth, ROUNDING, ALPHA);
+        }
+        row(
+            &format!(
+                "a camera inside a lamp that shines {}",
+                if inward { "inward" } else { "outward" }
+            ),
+            "path, light, bdpt, pssmlt",
+            format!("radiance {truth}"),
+            message,
+        );
+    }
+}
+
+/// A camera whose pinhole lies exactly on a floor of albedo 1/2, or half its near_clip above, does not see
+/// the floor, which is nearer than its near plane: in all directions it sees the sky of radiance 1, above
+/// or below.
+#[test]
+fn a_camera_on_a_floor() {
+    for (what, height, to) in [
+        ("up", 0.0, DVec3::new(0.1, 1.0, 0.0)),
+        ("along it", 0.0, DVec3::X),
+        ("down", 0.0, DVec3::new(0.1, -1.0, 0.0)),
+        ("down from just above it", 5e-4, DVec3::new(0.1, -1.0, 0.0)),
+    ] {
+        let from = DVec3::Y * height;
+        let mut world = World::seen(from, from + to, 50.0, [6, 4]).depth(3);
+        let white = world.diffuse_sheet(0.5);
+        world.floor(DVec3::ZERO, 1.0, white);
+        world.sky(1.0);
+        let scene = world.build();
+        for integrator in Integrator::ALL {
+            let moments = means(&scene, integrator, 400, 8);
+            let name = format!("{what}, {}", integrator.name());
+            assert_mean(&name, &moments, 1.0, ROUNDING, ALPHA);
+        }
+    }
+    row(
+        "a camera exactly on a plane, looking up, along it and down",
+        "path, light, bdpt, pssmlt",
+        "the sky above and below: what is nearer than near_clip is not seen",
+        "nothing",
+    );
+}
+
+/// A camera exactly on the surface of a glass ball looks out along the normal, or in: its rays begin at
+/// the near plane, outside or inside.
+#[test]
+fn a_camera_on_glass() {
+    for (what, to, truth) in [("out", DVec3::X * 2.0, 1.0), ("in", DVec3::ZERO, 2.25)] {
+        let mut world = World::seen(DVec3::X, to, 5.0, [4, 3]);
+        let glass = world.glass(1.5);
+        world.sphere(DVec3::ZERO, 1.0, glass);
+        world.sky(1.0);
+        let scene = world.build();
+        for integrator in [Path, Bdpt, Pssmlt] {
+            let moments = means(&scene, integrator, 200, 8);
+            let name = format!("{what}, {}", integrator.name());
+            assert_mean(&name, &moments, truth, ROUNDING, ALPHA);
+        }
+    }
+    row(
+        "a camera exactly on the surface of glass, looking out and in",
+        "path, bdpt, pssmlt",
+        "L outside, n^2 L inside: the medium is the one at near_clip",
+        "nothing",
+    );
+}
+
+/// A pane of glass cuts a thin lens in half: half of its rays begin in air and show L, the others in glass
+/// and show n^2 L.
+#[test]
+fn a_lens_cut_by_glass() {
+    let mut world = World::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
+    world.0.camera.lens = Some(ThinLens {
+        aperture_radius: 0.1,
+        focus_distance: 2.0,
+    });
+    let glass = world.glass(1.5);
+    world.cube(DVec3::X * 5.0, DVec3::splat(5.0), glass);
+    world.sky(1.0);
+    let scene = world.build();
+    for integrator in [Path, Bdpt, Pssmlt] {
+        let moments = means(&scene, integrator, 400, 8);
+        assert_mean(integrator.name(), &moments, 1.625, ROUNDING, ALPHA);
+        row(
+            "a thin lens half in glass",
+            integrator.name(),
+            format!("(1 + n^2) L / 2 = 1.625 L: {}", figure(&moments)),
+            "nothing",
+        );
+    }
+}
+
+/// A white room without an opening, the inside of a sphere, and in it a lamp that absorbs what meets
+/// it.
+fn white_room(lamp_radius: f64) -> Scene {
+    let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
+    let mut world = World::seen(from, to, 60.0, [6, 4]);
+    let white = world.diffuse(1.0);
+    let black = world.diffuse(0.0);
+    world.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
+    shine(world.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
+    world.build()
+}
+
+/// In equilibrium radiance is that of the lamp, everywhere, however long its light takes: with a lamp
+/// of radius 0.1 it meets the room a hundred times before it meets the lamp again.
+#[test]
+fn a_white_room_is_as_bright_as_its_black_lamp() {
+    let mut found = Vec::new();
+    for (integrator, radius, spp, bootstrap) in [
+        (Path, 0.1, 400, 0),
+        (Light, 0.1, 400, 0),
+        (Bdpt, 0.2, 60, 0),
+        (Pssmlt, 0.2, 60, 4000),
+    ] {
+        let scene = white_room(radius);
+        assert_eq!(trapped_light(&scene), None);
+        let moments: Moments = (0..8)
+            .map(|seed| {
+                let settings = Settings {
+                    seed,
+                    bootstrap: Some(bootstrap),
+                    ..settings(integrator, spp)
+                };
+                mean(&render(&scene, &settings, &Unobserved).expect("threads"))
+            })
+            .collect();
+        let name = integrator.name();
+        assert_mean(name, &moments, 1.0, ROUNDING, ALPHA);
+        found.push(format!("{name} {} (radius {radius})", figure(&moments)));
+    }
+    row(
+        "a closed room of albedo 1 with a black lamp, unbounded depth",
+        "path, light, bdpt, pssmlt",
+        format!(
+            "ends; radiance over the lamp's, exactly 1: {}",
+            found.join(", ")
+        ),
+        "nothing",
+    );
+}
+
+/// L = 1/(1 - 0.99) = 100 in a closed room that absorbs a hundredth. Under Russian roulette with a
+/// bound of 0.95 for all vertices the weights grow faster than paths end: 133 +- 43 from as many
+/// samples.
+#[test]
+fn a_nearly_white_furnace_has_finite_variance() {
+    for integrator in [Path, Light] {
+        let moments = means(&furnace(0.99), integrator, 400, 8);
+        assert_mean(integrator.name(), &moments, 100.0, ROUNDING, ALPHA);
+        assert!(moments.standard_error() < 4.0, "{moments:?}");
+        row(
+            "a closed furnace of albedo 0.99, unbounded depth",
+            integrator.name(),
+            format!("radiance, exactly 100: {}", figure(&moments)),
+            "nothing",
+        );
+    }
+}
+
+/// The inside of a sphere that shines with radiance 1 and reflects `albedo`.
+fn furnace(albedo: f32) -> Scene {
+    let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
+    let mut world = World::seen(from, to, 60.0, [6, 4]);
+    let white = world.diffuse(albedo);
+    let wall = world.sphere(DVec3::ZERO, 1.0, white);
+    wall.flip_normals = true;
+    shine(wall, 1.0);
+    world.build()
+}
+
+/// A closed furnace of albedo 1 has no finite brightness: every render of it ends, with some number,
+/// and the user is told that it means nothing. Not so where light gets out or is absorbed, or where the
+/// user limits the length of paths.
+#[test]
+fn a_closed_white_furnace_ends_and_is_reported() {
+    let scene = furnace(1.0);
+    let trapped = trapped_light(&scene).expect("all of it");
+    assert_eq!(trapped.share, 1.0);
+    for integrator in Integrator::ALL {
+        let settings = Settings {
+            bootstrap: Some(1000),
+            ..settings(integrator, 16)
+        };
+        let rendering = render(&scene, &settings, &Unobserved).expect("threads");
+        assert_eq!(rendering.statistics.non_finite, 0);
+        assert!(mean(&rendering) > 10.0);
+    }
+    row(
+        "a closed furnace of albedo 1, unbounded depth",
+        "path, light, bdpt, pssmlt",
+        "ends (some 30 vertices to a subpath); the truth is infinite, the image a number that grows with \
+         the samples",
+        trapped.to_string(),
+    );
+    assert_eq!(trapped_light(&furnace(0.99)), None);
+    assert_eq!(trapped_light(&lamp_in_slab(2.0 * DVec3::Y)), None);
+    let mut limited = scene;
+    limited.depth.max_depth = Some(50);
+    assert_eq!(trapped_light(&limited), None);
+}
+
+/// Whatever cannot absorb shows the radiance of the sky: a white box without a lid.
+#[test]
+fn an_open_white_box_is_as_bright_as_the_sky() {
+    for (integrator, spp) in [(Path, 200), (Bdpt, 50), (Pssmlt, 100)] {
+        let (from, to) = (DVec3::new(0.0, 1.4, 0.9), DVec3::new(0.0, -0.2, -0.5));
+        let mut world = World::seen(from, to, 50.0, [6, 4]);
+        let white = world.diffuse_sheet(1.0);
+        let mut sides = TriangleMesh::cube();
+        // The second face is the lid.
+        sides.triangles.drain(2..4);
+        world.mesh(sides, DMat4::IDENTITY, white);
+        world.sky(1.0);
+        let scene = world.build();
+        let moments = means(&scene, integrator, spp, 10);
+        assert_mean(integrator.name(), &moments, 1.0, ROUNDING, ALPHA);
+    }
+    row(
+        "an open box of albedo 1, unbounded depth",
+        "path, bdpt, pssmlt",
+        "ends; shows the radiance of the sky",
+        "nothing",
+    );
+}
+
+/// Coordinates at which f32 and even f64 have nothing left to say are an error that names the shape.
+#[test]
+fn absurd_coordinates() {
+    let message = |distance: f64| {
+        let mut world = World::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
+        let white = world.diffuse(0.5);
+        world.sphere(DVec3::X * 4.0, 1.0, white);
+        world.floor(DVec3::Y * -distance, 1.0, white);
+        world.sky(1.0);
+        world.0.build().err().map(|error| error.to_string())
+    };
+    let told = message(1e30).expect("an error");
+    assert!(
+        told.starts_with("shape 1: coordinates reach 1e30; they must be below 1e15"),
+        "{told}"
+    );
+    assert_eq!(message(9e14), None);
+    row(
+        "coordinates of 1e30 (1e15 and more), a whole scene of 1e-13 (less than 1e-12)",
+        "all",
+        "the scene is refused",
+        told,
+    );
+}
