@@ -7,9 +7,14 @@
 
 mod common;
 
+use common::HashedPoint;
 use common::tiles::tile_moments;
+use glam::Vec3A;
+use metrolight::integrators::{Workspace, bdpt};
+use metrolight::math::{Coordinates, Stream};
+use metrolight::path::{Heuristic, Vertex};
 use metrolight::render::{Budget, Integrator, Settings};
-use metrolight::scene::Scene;
+use metrolight::scene::{Scene, TransportMode};
 use metrolight::statistics::{Moments, holm, welch};
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
@@ -119,4 +124,132 @@ fn path_and_light_tracing_are_adjoint() {
         &[],
         &[(Path, 256), (Light, 96), (Bdpt, 64)],
     );
+}
+
+/// Through two interfaces with both indices given, from a lamp outside to a camera in the water and from a
+/// lamp in the water to a camera outside: the squared indices do not cancel.
+#[test]
+fn nested_media_are_adjoint() {
+    let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
+    assert_agreement("tests/scenes/nested.xml", &[], &methods);
+    let inside = [
+        ("origin", "0, 0.6, 0"),
+        ("target", "0, -0.5, 0"),
+        ("inner", "0"),
+        ("outer", "20"),
+    ];
+    assert_agreement("tests/scenes/nested.xml", &inside, &methods);
+}
+
+/// From a lamp under water to what rises out of it; through a rough surface also to what stays below.
+#[test]
+fn half_immersed_things_are_adjoint() {
+    let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
+    assert_agreement("tests/scenes/immersed.xml", &[], &methods);
+    let rough = [
+        ("surface", "rough"),
+        ("origin", "0.6, 1.6, 2.6"),
+        ("target", "0, 0, 0"),
+    ];
+    assert_agreement("tests/scenes/immersed.xml", &rough, &methods);
+}
+
+/// Shading normals on coarse meshes, rough, diffuse and refracting, under a sky and a lamp, through a
+/// lens.
+#[test]
+fn coarse_meshes_are_adjoint() {
+    let methods = [(Path, 48), (Light, 128), (Bdpt, 24)];
+    assert_agreement("tests/scenes/coarse.xml", &[], &methods);
+}
+
+/// A thin lens, diffuse plates and a lamp in view.
+#[test]
+fn lenses() {
+    let methods = [(Path, 48), (Light, 48), (Bdpt, 16), (Pssmlt, 48)];
+    assert_agreement("tests/scenes/plates.xml", &[], &methods);
+}
+
+/// At every vertex of both walks: what a sampled step gives is what a connection along it would give,
+/// f cos over the density; and seen from the other end the same vertex scatters by the adjoint (Veach
+/// 1997, section 5.3): value_I |w_i.N_g| = value_R |w_o.N_g|, its densities exchanged. Among these vertices
+/// are rough glass, and meshes whose shading normals are not the geometric ones.
+#[test]
+fn walks_scatter_as_connections_do() {
+    for path in ["tests/scenes/coarse.xml", "tests/scenes/immersed.xml"] {
+        let mut scene = common::load(path, &[("surface", "rough")]);
+        scene.depth.rr_depth = 1000;
+        let mut workspace = Workspace::default();
+        let (mut steps, mut transmitted) = (0, 0);
+        for i in 0..20_000 {
+            let mut point = HashedPoint::new(i);
+            let film = glam::Vec2::from(point.read::<2>(Stream::Camera, 0));
+            let power = Heuristic::Power;
+            bdpt::connections(&scene, power, film, &mut point, &mut workspace, |_, _| {});
+            let walks = [
+                (workspace.camera_vertices(), TransportMode::Radiance),
+                (workspace.light_vertices(), TransportMode::Importance),
+            ];
+            for (vertices, mode) in walks {
+                for (v, next) in vertices.iter().zip(&vertices[vertices.len().min(1)..]) {
+                    if !v.is_connectible(&scene) {
+                        continue;
+                    }
+                    let direction = -next.to_previous;
+                    check_step(&scene, v, next, direction, mode);
+                    steps += 1;
+                    let normal = v.surface.geometric_normal;
+                    let through = normal.dot(direction) * normal.dot(v.to_previous) < 0.0;
+                    transmitted += u32::from(through);
+                }
+            }
+        }
+        println!("{path}: {steps} steps, {transmitted} of them through the surface");
+        assert!(steps > 8000 && transmitted > 100);
+    }
+}
+
+fn check_step(scene: &Scene, v: &Vertex, next: &Vertex, direction: Vec3A, mode: TransportMode) {
+    let close = |a: f32, b: f32| (a - b).abs() <= 5e-3 * (a.abs() + b.abs());
+    let (bounce, back) = (
+        v.bounce(scene, direction, mode),
+        Vertex {
+            to_previous: direction,
+            ..*v
+        }
+        .bounce(scene, v.to_previous, other(mode)),
+    );
+    let cos_previous = v.surface.geometric_normal.dot(v.to_previous).abs();
+    // Where a cosine is next to nothing f32 leaves too few digits of either side.
+    if bounce.cos < 1e-3 || cos_previous < 1e-3 {
+        return;
+    }
+    for channel in 0..3 {
+        let sampled = next.throughput[channel] / v.throughput[channel];
+        let connected = bounce.value[channel] / bounce.pdf_forward;
+        assert!(
+            close(sampled, connected),
+            "{mode:?}: {sampled} {connected} at {v:?}"
+        );
+        // Each value times the cosine at its own predecessor.
+        let (there, again) = (bounce.value * cos_previous, back.value * bounce.cos);
+        assert!(
+            close(there[channel], again[channel]),
+            "{mode:?}: {there} {again} at {v:?}"
+        );
+    }
+    assert!(
+        close(bounce.pdf_forward, back.pdf_reverse),
+        "{mode:?} at {v:?}"
+    );
+    assert!(
+        close(bounce.pdf_reverse, back.pdf_forward),
+        "{mode:?} at {v:?}"
+    );
+}
+
+fn other(mode: TransportMode) -> TransportMode {
+    match mode {
+        TransportMode::Radiance => TransportMode::Importance,
+        TransportMode::Importance => TransportMode::Radiance,
+    }
 }
