@@ -1,10 +1,8 @@
-"""Makes the tables and charts of docs/ from what the tests have measured.
+"""Makes the tables and charts of docs/ from what the tests have measured: see docs/prove.sh.
 
-    rm -rf target/figures
-    METROLIGHT_FIGURES=target/figures cargo test --release
-    METROLIGHT_FIGURES=target/figures cargo test --release -- --ignored
+    python3 docs/make_figures.py            # prints the tables
     pip install -r docs/requirements.txt
-    python3 docs/make_figures.py
+    python3 docs/make_figures.py --write    # writes them, and charts, into docs/
 
 Every row that a test recorded stands in target/figures/TABLE.jsonl. A table goes into the document
 between the lines `<!-- TABLE -->` and `<!-- end -->`; charts go to docs/images/.
@@ -12,12 +10,8 @@ between the lines `<!-- TABLE -->` and `<!-- end -->`; charts go to docs/images/
 
 import json
 import re
+import sys
 from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
 
 HERE = Path(__file__).resolve().parent
 FIGURES = HERE.parent / "target" / "figures"
@@ -58,30 +52,35 @@ def insert(document, name, text):
 
 
 def accuracy():
-    """One table for each oracle."""
+    """The tables of docs/accuracy.md, by oracle."""
     by_oracle = {}
     for row in rows("accuracy"):
         by_oracle.setdefault(row["oracle"], []).append(row)
-    text = (HERE / "accuracy.md").read_text(encoding="utf-8")
-    missing = set(by_oracle) - set(re.findall(r"<!-- (.*?) -->", text))
-    if missing:
-        raise SystemExit(f"accuracy.md has no place for {sorted(missing)}")
-    for oracle, found in by_oracle.items():
+    tables = {}
+    for oracle, found in sorted(by_oracle.items()):
         # The tests ran at the same time: their order says nothing.
         found.sort(key=lambda row: row["case"])
         cells = [(row["case"], row["found"], row["demanded"]) for row in found]
-        insert("accuracy.md", oracle, markdown(["case", "found", "demanded"], cells))
+        tables[oracle] = markdown(["case", "found", "demanded"], cells)
+    return tables
 
 
 def stability():
+    """The table of docs/stability.md."""
     found = sorted(rows("stability"), key=lambda row: (row["case"], row["method"]))
     cells = [(row["case"], row["method"], row["happens"], row["told"]) for row in found]
     header = ["case", "method", "what happens", "what the user is told"]
-    insert("stability.md", "stability", markdown(header, cells))
+    return {"stability": markdown(header, cells)}
 
 
 def sweeps():
     """Charts of error, and of the light that is found, against what shrinks."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams["svg.hashsalt"] = "metrolight"
     found = rows("sweeps")
     for sweep, (title, label) in SWEEPS.items():
         figure, (error, share) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
@@ -107,13 +106,24 @@ def sweeps():
             axes.grid(True, which="major", linewidth=0.3)
         error.legend(frameon=False)
         figure.suptitle(title)
-        for suffix in ("svg", "png"):
-            figure.savefig(HERE / "images" / f"sweep-{sweep}.{suffix}", dpi=110, metadata={"Date": None} if suffix == "svg" else None)
+        path = HERE / "images" / f"sweep-{sweep}"
+        figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+        figure.savefig(path.with_suffix(".png"), dpi=110)
         plt.close(figure)
 
 
+def main():
+    documents = {"accuracy.md": accuracy(), "stability.md": stability()}
+    if sys.argv[1:] == ["--write"]:
+        for document, tables in documents.items():
+            for name, table in tables.items():
+                insert(document, name, table)
+        sweeps()
+    else:
+        for tables in documents.values():
+            for name, table in tables.items():
+                print(f"\n{name}\n\n{table}")
+
+
 if __name__ == "__main__":
-    plt.rcParams["svg.hashsalt"] = "metrolight"
-    accuracy()
-    stability()
-    sweeps()
+    main()
