@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3};
 use super::{Material, Texture, TriangleMesh};
 use crate::film::Filter;
 use crate::math::Rgb;
+use crate::math::distribution::MOST_OUTCOMES;
 
 /// Everything that a scene file says.
 #[derive(Debug)]
@@ -158,7 +159,11 @@ pub enum SceneError {
     #[error("an envmap emitter can be turned and mirrored, but not stretched or sheared")]
     StretchedEnvironment,
     /// An environment image that cannot be wrapped around the scene.
-    #[error("the image of an envmap emitter must have at least 2 columns and 2 rows of pixels")]
+    #[error(
+        "the image of an envmap emitter must have at least 2 columns and 2 rows of pixels, and no \
+         more than {most} of either",
+        most = MOST_OUTCOMES
+    )]
     EnvironmentSize,
     /// A surface that emits but has no area.
     #[error("{name}: an area emitter needs a surface with area, and this one has none")]
