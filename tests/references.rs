@@ -9,120 +9,15 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
-
 use common::comparison::{Comparison, POWER, Renderings, normals, uniformity};
 use common::figures::{Accuracy, record};
+use common::reference::{Entry, Form, Methods, REPLICATES, Run, UNIFORMITY, manifest, read_image};
 use metrolight::integrators::{Sampler, lost_light};
 use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
 use metrolight::scene::Scene;
 use metrolight::statistics::{Moments, smallest_detectable};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use serde::Deserialize;
-
-/// Level of the test that the p-values of many images are uniform, and its number of replicates.
-const UNIFORMITY: f64 = 1e-3;
-const REPLICATES: u64 = 4999;
-
-/// One line of the manifest.
-#[derive(Deserialize)]
-struct Entry {
-    name: String,
-    scene: String,
-    defines: std::collections::BTreeMap<String, String>,
-    width: u32,
-    height: u32,
-    renderings: usize,
-    /// Width and height of the tiles in which the renderings are kept, in pixels.
-    tile: [usize; 2],
-    methods: Methods,
-}
-
-/// Who can find the light that the reference shows.
-#[derive(Deserialize, PartialEq)]
-#[serde(rename_all = "lowercase")]
-enum Methods {
-    All,
-    Path,
-}
-
-impl Entry {
-    fn is_ours(&self) -> bool {
-        self.scene.starts_with("scenes/")
-    }
-
-    fn is_published(&self) -> bool {
-        self.scene.starts_with("..")
-    }
-
-    /// False if METROLIGHT_SCENE is set and not part of the name; false, with a message, if the scene is
-    /// a published one that is missing.
-    fn is_wanted(&self) -> bool {
-        if std::env::var("METROLIGHT_SCENE").is_ok_and(|part| !self.name.contains(&part)) {
-            return false;
-        }
-        let here = root().join(&self.scene).exists();
-        if !here {
-            println!("{}: skipped, the published scene is not here", self.name);
-        }
-        here
-    }
-
-    fn load(&self) -> Scene {
-        let size = [("resx", self.width), ("resy", self.height)].map(|(k, v)| (k, v.to_string()));
-        let mut defines: Vec<(&str, &str)> = vec![("integrator", "path")];
-        defines.extend(size.iter().map(|(k, v)| (*k, v.as_str())));
-        defines.extend(self.defines.iter().map(|(k, v)| (k.as_str(), v.as_str())));
-        common::load(&self.scene, &defines)
-    }
-
-    /// Mitsuba's renderings, by tiles of `size`.
-    fn reference(&self, size: [usize; 2]) -> Renderings {
-        let file = read_image(&format!("{}.tiles", self.name), ["R", "G", "B"]);
-        let columns = self.width as usize / self.tile[0];
-        let images = file.chunks_exact(file.len() / self.renderings);
-        let tile = [size[0] / self.tile[0], size[1] / self.tile[1]];
-        Renderings::new(images, columns, tile)
-    }
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
-}
-
-fn manifest() -> Vec<Entry> {
-    let path = root().join("tests/references/manifest.json");
-    let text = std::fs::read_to_string(path).expect("the manifest");
-    serde_json::from_str(&text).expect("a manifest as written by make_references.py")
-}
-
-/// Three channels of an image among the references.
-fn read_image(name: &str, channels: [&str; 3]) -> Vec<[f32; 3]> {
-    use exr::prelude::*;
-    let path = root().join(format!("tests/references/{name}.exr"));
-    let file = read_all_flat_layers_from_file(path).expect("a reference image");
-    let channel = |name: &str| -> Vec<f32> {
-        file.layer_data
-            .iter()
-            .flat_map(|layer| &layer.channel_data.list)
-            .find(|channel| channel.name.to_string() == name)
-            .map(|channel| channel.sample_data.values_as_f32().collect())
-            .unwrap_or_else(|| panic!("{name} is missing"))
-    };
-    let [r, g, b] = channels.map(channel);
-    let pairs = r.iter().zip(&g).zip(&b);
-    pairs.map(|((&r, &g), &b)| [r, g, b]).collect()
-}
-
-/// How hard to look.
-struct Form {
-    alpha: f64,
-    /// Width and height of a tile, in pixels.
-    tile: [usize; 2],
-    /// Our independent renderings.
-    seeds: u64,
-}
 
 /// Part of every run of the tests.
 const QUICK: Form = Form {
@@ -137,92 +32,6 @@ const FINE: Form = Form {
     tile: [16, 12],
     seeds: 32,
 };
-
-/// All comparisons of one run, and what was found.
-struct Run {
-    form: Form,
-    comparisons: Vec<Comparison>,
-    failures: Vec<String>,
-}
-
-impl Run {
-    fn new(form: Form) -> Self {
-        Self {
-            form,
-            comparisons: Vec::new(),
-            failures: Vec::new(),
-        }
-    }
-
-    /// Renders the scene of entry number `index` and compares it.
-    fn compare(
-        &mut self,
-        (index, entry): (u64, &Entry),
-        scene: &Scene,
-        settings: &Settings,
-        reference: &Renderings,
-    ) -> &Comparison {
-        let form = &self.form;
-        let integrator = settings.integrator;
-        // No two images share a random number.
-        let first = 10_000 * (integrator as u64 + 1) + 100 * index;
-        let ours = Renderings::render(scene, settings, first..first + form.seeds, form.tile);
-        let names = [index * 10 + integrator as u64, index];
-        let comparison = Comparison::new(&ours, reference, form.alpha, names);
-        let (p, test) = comparison.smallest();
-        let [median, worst, image] = comparison.catches().map(|c| 100.0 * c);
-        println!(
-            "{} {}: smallest adjusted p {p:.2e}; catches {median:.2}% of a tile ({worst:.2}% of the \
-             worst), {image:.2}% of the image",
-            entry.name,
-            integrator.name()
-        );
-        if p < form.alpha {
-            let [a, b] = [&ours, reference].map(|r| r.moments()[test]);
-            let place = if test + 3 < comparison.adjusted.len() {
-                format!("tile {}", test / 3)
-            } else {
-                "the whole image".into()
-            };
-            self.failures.push(format!(
-                "{} {}: p = {p:.1e}, {place}, channel {}: reference {:.6} +- {:.6}, ours {:.6} +- {:.6}",
-                entry.name,
-                integrator.name(),
-                test % 3,
-                b.mean,
-                b.standard_error(),
-                a.mean,
-                a.standard_error(),
-            ));
-        }
-        self.comparisons.push(comparison);
-        self.comparisons.last().expect("the one just added")
-    }
-
-    /// How many p-values lie in each tenth of [0, 1].
-    fn tenths(&self) -> [u32; 10] {
-        let mut counts = [0; 10];
-        let p_values = self.comparisons.iter().flat_map(Comparison::p_values);
-        p_values.for_each(|p| counts[((10.0 * p) as usize).min(9)] += 1);
-        counts
-    }
-
-    /// The verdict over all comparisons; returns the p-value of their distribution.
-    fn judge(mut self) -> f64 {
-        if self.comparisons.is_empty() {
-            return 1.0;
-        }
-        let p = uniformity(&self.comparisons, REPLICATES);
-        println!("uniformity of all p-values: p = {p:.4}");
-        if p < UNIFORMITY {
-            let message = format!("the p-values of all images are not uniform: p = {p:.1e}");
-            self.failures.push(message);
-        }
-        let failures = &self.failures;
-        assert!(failures.is_empty(), "not equal:\n{}", failures.join("\n"));
-        p
-    }
-}
 
 /// Renders the entries that are `chosen` by path tracing, and by `others` where these find the same
 /// light.
