@@ -35,10 +35,12 @@ pub enum Methods {
 }
 
 impl Entry {
+    /// One of `scenes/`.
     pub fn is_ours(&self) -> bool {
         self.scene.starts_with("scenes/")
     }
 
+    /// A published scene, which is not part of the repository.
     pub fn is_published(&self) -> bool {
         self.scene.starts_with("..")
     }
@@ -56,6 +58,7 @@ impl Entry {
         here
     }
 
+    /// The scene as Mitsuba rendered it.
     pub fn load(&self) -> Scene {
         let size = [("resx", self.width), ("resy", self.height)].map(|(k, v)| (k, v.to_string()));
         let mut defines: Vec<(&str, &str)> = vec![("integrator", "path")];
@@ -78,6 +81,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
+/// All references.
 pub fn manifest() -> Vec<Entry> {
     let path = root().join("tests/references/manifest.json");
     let text = std::fs::read_to_string(path).expect("the manifest");
@@ -122,6 +126,7 @@ pub struct Run {
 }
 
 impl Run {
+    /// A run without comparisons as yet.
     pub fn new(form: Form) -> Self {
         Self {
             form,
