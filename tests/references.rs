@@ -179,8 +179,11 @@ fn verdicts_keep_their_level_and_find_what_they_say() {
     );
 }
 
-/// Rays that one comparison of the fine form may cost.
-const MOST_RAYS: f64 = 5e7;
+/// Rays that one image of the fine form may cost; METROLIGHT_RAYS, if it is set.
+fn most_rays() -> f64 {
+    let rays = std::env::var("METROLIGHT_RAYS");
+    rays.map_or(5e7, |rays| rays.parse().expect("a number of rays"))
+}
 
 /// The bias that the fine form is to find in the median tile.
 const AIM: f64 = 0.005;
@@ -214,14 +217,15 @@ fn samples_for_aim(scene: &Scene, settings: &Settings, reference: &Renderings) -
     let variance = wanted.max((0.5 * reference.error()).powi(2));
     // A margin for the noise of the pilot.
     let samples = 1.2 * pilot.error().powi(2) / variance * (SEEDS * SAMPLES * pixels) as f64;
-    let samples = samples.min(MOST_RAYS / rays) / (FINE.seeds * pixels) as f64;
+    let samples = samples.min(most_rays() / rays) / (FINE.seeds * pixels) as f64;
     (samples.ceil() as u64).max(SAMPLES)
 }
 
 /// Every scene of `scenes/` and every published scene that is here, by all integrators that find their
-/// light, finely enough to catch a bias of half a per cent of the median tile where the reference allows.
+/// light, finely enough to catch a bias of half a per cent of the median tile where the reference and
+/// the number of rays allow. METROLIGHT_SCENE limits it to scenes with that in their name.
 #[test]
-#[ignore = "takes half an hour: cargo test --release --test references -- --ignored --nocapture"]
+#[ignore = "takes ten minutes: cargo test --release --test references -- --ignored --nocapture"]
 fn scenes_equal_their_references_finely() {
     let mut run = Run::new(FINE);
     for (index, entry) in (0..).zip(&manifest()) {
