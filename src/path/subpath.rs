@@ -13,13 +13,13 @@ use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
 /// than this, so that every subpath ends, even where no light is ever absorbed.
 ///
 /// There it has n vertices with a probability that falls as n^-3, so that the mean of n^2 is finite,
-/// and with it the work of joining two subpaths: some 30 vertices on average. Its weight grows as
+/// and with it the work of joining two subpaths: some 75 vertices on average. Its weight grows as
 /// n^3. With the same bound at every vertex, as is common (0.95, say), the weight grows as 0.95^-n:
 /// where a bounce loses less than 1 - sqrt(0.95) = 2.5% of the light, the variance is then infinite
 /// and most images are too dark. Here it is finite wherever a bounce loses anything at all.
 #[inline]
 fn greatest_survival(i: usize) -> f32 {
-    1.0 - 3.0 / (50.0 + i as f32)
+    1.0 - 3.0 / (150.0 + i as f32)
 }
 
 /// Room for this many vertices is made at once; longer subpaths grow it.

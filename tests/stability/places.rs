@@ -269,7 +269,7 @@ fn a_closed_white_furnace_ends_and_is_reported() {
     row(
         "a closed furnace of albedo 1, unbounded depth",
         "path, light, bdpt, pssmlt",
-        "ends (some 30 vertices to a subpath); the truth is infinite, the image a number that grows with \
+        "ends (some 75 vertices to a subpath); the truth is infinite, the image a number that grows with \
          the samples",
         trapped.to_string(),
     );
