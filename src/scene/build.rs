@@ -9,8 +9,8 @@ use super::emitter::{
 };
 use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
 use super::{
-    EmitterDescription, SCENE_RADIUS, Scene, SceneDescription, SceneError, ShapeDescription,
-    ShapeGeometry, TriangleMesh,
+    EmitterDescription, FARTHEST, SCENE_RADIUS, Scene, SceneDescription, SceneError,
+    ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
 use crate::math::distribution::MOST_OUTCOMES;
@@ -274,11 +274,19 @@ fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
         EmitterDescription::Point {
             position,
             intensity,
-        } => Emitter::Point {
-            position: units.point(position).as_vec3a(),
+        } => {
+            let position = units.point(position).as_vec3a();
             // Irradiance I/d^2 must not change with the unit of d.
-            intensity: (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a(),
-        },
+            let intensity = (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a();
+            if !(position.length() < FARTHEST && intensity.is_finite()) {
+                let name = "point emitter".into();
+                return Err(SceneError::OutOfRange { name });
+            }
+            Emitter::Point {
+                position,
+                intensity,
+            }
+        }
         EmitterDescription::Directional {
             direction,
             irradiance,

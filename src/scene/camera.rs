@@ -10,8 +10,8 @@
 
 use glam::{DMat4, DVec3, Vec2, Vec3A};
 
-use super::Ray;
 use super::description::{CameraDescription, SceneError};
+use super::{FARTHEST, Ray};
 use crate::math::warp::square_to_disk;
 
 /// A camera in scene units.
@@ -70,18 +70,24 @@ impl Camera {
         if !m.is_finite() || right.cross(up).dot(forward).abs() < 1e-9 {
             return Err(singular());
         }
+        let position = ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a();
+        let lens_radius = description.lens.map_or(0.0, |l| l.aperture_radius / unit) as f32;
+        let focus = description.lens.map_or(1.0, |l| l.focus_distance / unit) as f32;
+        if !(position.length() < FARTHEST && lens_radius < FARTHEST && focus < FARTHEST) {
+            let name = "sensor".into();
+            return Err(SceneError::OutOfRange { name });
+        }
         let tan_x = (0.5 * description.fov_x.to_radians()).tan();
-        let lens = description.lens;
         Ok(Self {
-            position: ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a(),
+            position,
             right: right.as_vec3a(),
             up: up.as_vec3a(),
             forward: forward.as_vec3a(),
             half_extent: Vec2::new(tan_x as f32, (tan_x / aspect) as f32),
             near: (description.near_clip / unit) as f32,
             far: (description.far_clip / unit) as f32,
-            lens_radius: lens.map_or(0.0, |l| (l.aperture_radius / unit) as f32),
-            focus: lens.map_or(1.0, |l| (l.focus_distance / unit) as f32),
+            lens_radius,
+            focus,
         })
     }
 

@@ -147,6 +147,13 @@ pub enum SceneError {
         /// Shape or sensor.
         name: String,
     },
+    /// A sensor or emitter so far away, or so large or strong, beside the shapes that squares of its
+    /// numbers are out of range.
+    #[error("{name}: beside shapes of this size its place, size or strength is beyond all numbers")]
+    OutOfRange {
+        /// Sensor or emitter.
+        name: String,
+    },
     /// A sphere under shear or uneven scale.
     #[error(
         "{name}: a sphere can be moved, turned and evenly scaled, but not stretched or sheared"

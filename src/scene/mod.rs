@@ -58,6 +58,10 @@ pub struct Scene {
     pub center: DVec3,
 }
 
+/// Least distance from the origin, in scene units, that is too large: its square would be near the end
+/// of the range of f32.
+const FARTHEST: f32 = 1e18;
+
 impl Scene {
     /// A point in scene units, in the units of the scene file.
     pub fn to_world(&self, point: glam::Vec3A) -> DVec3 {

@@ -210,6 +210,23 @@ fn absurd_coordinates_are_refused() {
     assert!(matches!(point, Some(SceneError::TooLarge { name, .. }) if name == "point emitter"));
 }
 
+/// Far away is a matter of how large the shapes are: squares of distances must have a place in f32.
+#[test]
+fn what_is_far_beside_tiny_shapes_is_refused() {
+    let speck = || vec![sphere(DVec3::ZERO, 1e-9)];
+    let far = DVec3::X * 1e14;
+    let mut unseen = description(speck(), vec![lamp()]);
+    unseen.camera.to_world = DMat4::from_translation(far);
+    let refused = |error: Option<SceneError>, what: &str| matches!(error, Some(SceneError::OutOfRange { name }) if name == what);
+    assert!(refused(unseen.build().err(), "sensor"));
+    let light = EmitterDescription::Point {
+        position: far,
+        intensity: Rgb::ONE,
+    };
+    let unlit = description(speck(), vec![light]);
+    assert!(refused(unlit.build().err(), "point emitter"));
+}
+
 #[test]
 fn scenes_without_extent_for_f32_are_refused() {
     let speck = |radius| {
