@@ -275,7 +275,7 @@ fn record_image(case: &str, comparison: &Comparison) {
     let [excess, error] = comparison.excess.map(|x| 100.0 * x);
     let [median, worst, image] = comparison.catches().map(|c| 100.0 * c);
     let found = format!(
-        "smallest adjusted p {:.2}; p-values uniform: p = {uniform:.2}; image brighter by {excess:.2}% \
+        "smallest adjusted p {:.4}; p-values uniform: p = {uniform:.2}; image brighter by {excess:.2}% \
          +- {error:.2}%",
         comparison.smallest().0
     );

@@ -82,7 +82,7 @@ REFERENCES = [
     # Published scenes, which are not part of the project: skipped where they are missing.
     *[
         reference(f"../shared/scenes/{name}/scene.xml", spp, name=f"published-{name}")
-        for name, spp in (("cornell-box", 256), ("veach-mis", 1024), ("veach-bidir", 2048))
+        for name, spp in (("cornell-box", 256), ("veach-mis", 8192), ("veach-bidir", 2048))
     ],
     *[
         reference("camera", 128, name=f"camera_{axis}", fov_axis=axis)
