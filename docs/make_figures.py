@@ -22,7 +22,7 @@ SWEEPS = {
     "lamp": ("A lamp in a room", "area of the lamp"),
     "lamp-over-glass": ("A lamp over a glass ball", "area of the lamp"),
     "lamp-behind-two-panes": ("A lamp behind two panes", "area of the lamp"),
-    "roughness": ("A ball of rough glass", "roughness alpha (left end: smooth)"),
+    "roughness": ("A ball of rough glass", "roughness alpha (right end: smooth)"),
     "slit": ("Light through a slit", "width of the slit"),
 }
 
