@@ -6,6 +6,7 @@
 
 use super::splats::{Splat, SplatFilm, SplatLog, add};
 use super::{Filter, Image};
+use crate::math::color::to_pixel;
 
 /// An image in the making: the samples of each pixel, and splats from anywhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +61,7 @@ impl Film {
             width,
             height,
             pixels: pixels
-                .map(|pixel| self.value(pixel, splat_scale).map(|v| v as f32))
+                .map(|pixel| to_pixel(self.value(pixel, splat_scale)))
                 .collect(),
         }
     }

@@ -64,7 +64,7 @@ impl Splats {
                 });
             }
         } else {
-            self.camera += value;
+            self.camera = color::saturated(self.camera + value);
         }
     }
 

@@ -17,3 +17,15 @@ pub fn luminance(rgb: Rgb) -> f32 {
 pub fn is_light(rgb: Rgb) -> bool {
     rgb.is_finite() && rgb.min_element() >= 0.0
 }
+
+/// `rgb` with the largest f32 in place of what is beyond it: light so bright stays a number.
+#[inline]
+pub fn saturated(rgb: Rgb) -> Rgb {
+    rgb.min(Rgb::splat(f32::MAX))
+}
+
+/// To f32, with its largest number in place of what is beyond it.
+#[inline]
+pub fn to_pixel(rgb: [f64; 3]) -> [f32; 3] {
+    rgb.map(|value| value.min(f64::from(f32::MAX)) as f32)
+}

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::Settings;
 use super::seat::Seat;
 use crate::film::{Film, Image, SplatFilm};
+use crate::math::color::to_pixel;
 use crate::statistics::{Moments, expected_relative_mse};
 
 /// What the samples themselves say about the error of the image.
@@ -38,7 +39,7 @@ impl ErrorEstimate {
     const ALONE: f64 = 0.8;
 
     fn new(image: &Image, pixels: &[PixelVariance], parts: u64) -> Self {
-        let error = |pixel: &PixelVariance| pixel.variance.map(|v| v.sqrt() as f32);
+        let error = |pixel: &PixelVariance| to_pixel(pixel.variance.map(f64::sqrt));
         let standard_errors: Vec<[f32; 3]> = pixels.iter().map(error).collect();
         let single = pixels
             .iter()

@@ -25,6 +25,7 @@ use super::{
 use crate::film::{Image, SplatFilm, SplatLog};
 use crate::integrators::Splats;
 use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
+use crate::math::color::to_pixel;
 use crate::math::seeds;
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
@@ -357,7 +358,9 @@ impl<'a> Driver<'a> {
         let [width, height] = self.chain_film.size();
         let pixel = |i| {
             let (chain, large) = (self.chain_film.sum(i), self.large_film.sum(i));
-            std::array::from_fn(|c| ((chain[c] * refinement + large[c]) * per_mutation) as f32)
+            to_pixel(std::array::from_fn(|c| {
+                (chain[c] * refinement + large[c]) * per_mutation
+            }))
         };
         Image {
             width,

@@ -4,6 +4,7 @@ use crate::film::{Splat, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
 use crate::markov::{Sample, Target};
 use crate::math::Coordinates;
+use crate::math::color::saturated;
 use crate::scene::{RayCounts, Scene};
 
 /// A path sampler as the target of Markov chains: I(u) is the luminance of all splats.
@@ -82,13 +83,13 @@ impl Weighing {
             if chain > 0.0 {
                 seat.chain_log.push(Splat {
                     position,
-                    value: value * chain,
+                    value: saturated(value * chain),
                 });
             }
             if large > 0.0 {
                 seat.large_log.push(Splat {
                     position,
-                    value: value * large,
+                    value: saturated(value * large),
                 });
             }
         }
