@@ -138,7 +138,7 @@ fn standard_errors_of_monte_carlo_cover_the_truth() {
 
 #[test]
 fn standard_errors_of_metropolis_cover_the_truth() {
-    assert_calibrated("scenes/cornell/scene.xml", &[], Integrator::Pssmlt, 64);
+    assert_calibrated("scenes/cornell/scene.xml", &[], Integrator::Pssmlt, 128);
 }
 
 /// Light that some images meet and most do not makes estimates too low. The image says so where it can
