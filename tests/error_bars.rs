@@ -251,7 +251,6 @@ fn a_render_ends_at_the_error_asked_for() {
 fn errors_on_hard_scenes_cover_the_truth_or_are_said_to_be_too_low() {
     for (scene, integrator, spp) in [
         ("rough-glass", Integrator::Bdpt, 64),
-        ("door", Integrator::Pssmlt, 128),
         ("pool", Integrator::Pssmlt, 128),
     ] {
         let path = format!("scenes/{scene}/scene.xml");
