@@ -186,6 +186,10 @@ fn wrong_arguments_are_explained() {
             "render room.xml --integrator bdpt --chains 4",
             "--chains means nothing",
         ),
+        (
+            "render room.xml --target-error 1 --chains 1",
+            "two chains at least",
+        ),
         ("render room.xml --max-depth 0", "-1 for no limit"),
         ("render room.xml -D radiance", "name=value"),
         ("render room.xml -o room.png", "ends in .exr"),

@@ -253,6 +253,9 @@ impl Args {
                 );
             }
         }
+        if integrator.is_metropolis() && self.target_error.is_some() && self.chains == Some(1) {
+            bail!("--target-error needs two chains at least: the error is seen from their spread");
+        }
         Ok(Settings {
             integrator,
             budget: match (self.spp, self.time) {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use metrolight::integrators::Technique;
+use metrolight::math::color::is_light;
 use metrolight::path::{Connection, Vertex};
 use metrolight::render::{Origin, Replay, Settings};
 use metrolight::scene::Scene;
@@ -125,7 +126,7 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
 fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Connection) -> String {
     let film = connection.film.unwrap_or(replay.film);
     let contribution = connection.value * connection.weight;
-    let fault = if contribution.is_finite() && contribution.min_element() >= 0.0 {
+    let fault = if is_light(contribution) {
         ""
     } else {
         "  <- not finite or negative: left out of the image"

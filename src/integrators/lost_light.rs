@@ -14,11 +14,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use glam::Vec2;
-use rand::RngExt;
+use glam::Vec3A;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::Sampler;
+use super::probe::{emitted, pair, scattered};
 use crate::math::seeds::{self, Purpose};
 use crate::scene::{Ray, RayCounts, Scene, SurfacePoint, TransportMode};
 
@@ -162,8 +162,8 @@ impl Seen {
     fn from_camera(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Self {
         let mut seen = Self::default();
         for _ in 0..PROBES {
-            let film = Vec2::from(rng.random::<[f32; 2]>());
-            let (ray, _) = scene.camera.ray(film, rng.random::<[f32; 2]>().into());
+            let (film, lens) = (pair(rng), pair(rng));
+            let (ray, _) = scene.camera.ray(film, lens);
             let Some(met) = first_rough(scene, ray, TransportMode::Radiance, rng) else {
                 continue;
             };
@@ -172,15 +172,9 @@ impl Seen {
             if met.through_smooth {
                 seen.behind_smooth.insert(shape);
             }
-            let next = scatter(
-                scene,
-                &met.surface,
-                -met.direction,
-                TransportMode::Radiance,
-                rng,
-            );
-            if let Some(ray) = next
-                && let Some(next) = first_rough(scene, ray, TransportMode::Radiance, rng)
+            let mode = TransportMode::Radiance;
+            if let Some((_, ray)) = scattered(scene, &met.surface, -met.direction, mode, rng)
+                && let Some(next) = first_rough(scene, ray, mode, rng)
                 && let Some(emitter) = scene.emitters.of_shape(next.surface.shape)
                 && next.through_smooth
             {
@@ -194,17 +188,7 @@ impl Seen {
 /// Follows a random ray from an emitter. If it meets smooth surfaces and then another: the emitter,
 /// that shape, and whether the emitter has no extent.
 fn lit_through_smooth(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Option<(u32, u32, bool)> {
-    let [choose, part] = rng.random::<[f32; 2]>();
-    let (place, way) = (
-        Vec2::from(rng.random::<[f32; 2]>()),
-        Vec2::from(rng.random::<[f32; 2]>()),
-    );
-    let sample = scene.emitters.sample_emission(choose, part, place, way)?;
-    let ray = Ray {
-        origin: sample.origin,
-        direction: sample.direction,
-        t_max: f32::INFINITY,
-    };
+    let (sample, ray) = emitted(scene, rng)?;
     let met = first_rough(scene, ray, TransportMode::Importance, rng)?;
     met.through_smooth
         .then_some((sample.emitter, met.surface.shape, sample.delta))
@@ -223,7 +207,7 @@ fn emitter_name(scene: &Scene, emitter: u32) -> String {
 struct Met {
     surface: SurfacePoint,
     /// Unit, of the ray on arrival.
-    direction: glam::Vec3A,
+    direction: Vec3A,
     /// It went through at least one smooth surface, or was mirrored by one.
     through_smooth: bool,
 }
@@ -246,27 +230,7 @@ fn first_rough(
                 through_smooth: bounce > 0,
             });
         }
-        ray = scatter(scene, &surface, -ray.direction, mode, rng)?;
+        (_, ray) = scattered(scene, &surface, -ray.direction, mode, rng)?;
     }
     None
-}
-
-/// A ray scattered at `surface`, `from` (unit) being where the last one came from.
-fn scatter(
-    scene: &Scene,
-    surface: &SurfacePoint,
-    from: glam::Vec3A,
-    mode: TransportMode,
-    rng: &mut Xoshiro256PlusPlus,
-) -> Option<Ray> {
-    let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
-    let from = surface.shading.to_local(from);
-    let (lobe, u) = (rng.random(), Vec2::from(rng.random::<[f32; 2]>()));
-    let sample = material.sample(&scene.textures, surface.uv, from, mode, lobe, u)?;
-    let direction = surface.shading.to_world(sample.direction);
-    Some(Ray {
-        origin: surface.ray_origin(direction),
-        direction,
-        t_max: f32::INFINITY,
-    })
 }

@@ -5,6 +5,7 @@ pub mod bdpt;
 pub mod light;
 pub mod lost_light;
 pub mod path;
+mod probe;
 pub mod trapped_light;
 
 use glam::Vec2;

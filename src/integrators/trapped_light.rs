@@ -4,12 +4,12 @@
 
 use std::fmt;
 
-use glam::Vec2;
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::probe::{emitted, scattered};
 use crate::math::seeds::{self, Purpose};
-use crate::scene::{Ray, RayCounts, Scene, TransportMode};
+use crate::scene::{BsdfSample, Ray, RayCounts, Scene, TransportMode};
 
 /// Particles of light that are followed.
 const PROBES: u64 = 128;
@@ -57,44 +57,27 @@ pub fn trapped_light(scene: &Scene) -> Option<TrappedLight> {
 
 /// Follows one particle, which survives every bounce with the share of light that does.
 fn stays(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> bool {
-    let [choose, part] = rng.random::<[f32; 2]>();
-    let (place, way) = (pair(rng), pair(rng));
-    let Some(start) = scene.emitters.sample_emission(choose, part, place, way) else {
+    let Some((_, mut ray)) = emitted(scene, rng) else {
         return false;
     };
-    let mut ray = Ray {
-        origin: start.origin,
-        direction: start.direction,
-        t_max: f32::INFINITY,
-    };
     let mut counts = RayCounts::default();
-    let mut scattered = 0;
+    let mut bounces = 0;
     for _ in 0..MOST_BOUNCES {
         let Some(surface) = scene.geometry.intersect(&ray, &mut counts) else {
             return false;
         };
-        let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
-        let from = surface.shading.to_local(-ray.direction);
-        let (lobe, u) = (rng.random(), pair(rng));
-        let mode = TransportMode::Importance;
-        let sample = material.sample(&scene.textures, surface.uv, from, mode, lobe, u);
-        let Some(sample) = sample.filter(|s| rng.random::<f32>() < s.weight.max_element()) else {
+        let from = -ray.direction;
+        let next = scattered(scene, &surface, from, TransportMode::Importance, rng);
+        let survives =
+            |(sample, _): &(BsdfSample, Ray)| rng.random::<f32>() < sample.weight.max_element();
+        let Some((sample, next)) = next.filter(survives) else {
             return false;
         };
-        scattered += usize::from(!sample.delta);
-        if scattered == BOUNCES {
+        bounces += usize::from(!sample.delta);
+        if bounces == BOUNCES {
             return true;
         }
-        let direction = surface.shading.to_world(sample.direction);
-        ray = Ray {
-            origin: surface.ray_origin(direction),
-            direction,
-            t_max: f32::INFINITY,
-        };
+        ray = next;
     }
     false
-}
-
-fn pair(rng: &mut Xoshiro256PlusPlus) -> Vec2 {
-    Vec2::from(rng.random::<[f32; 2]>())
 }

@@ -76,19 +76,15 @@ impl<'a> Clock<'a> {
     /// Tells the observer that `done` samples are done; true if that is all there is time for, or if
     /// the observer wants it to be.
     pub fn is_over(&self, done: u64) -> bool {
-        let fraction = match self.limit {
-            Limit::Samples(n) => done as f64 / n.max(1) as f64,
+        let spent = match self.limit {
+            Limit::Samples(n) if done >= n => 1.0,
+            Limit::Samples(n) => done as f64 / n as f64,
+            // Late or not: a render without a sample would be a black image.
+            Limit::Seconds(_) if done == 0 => 0.0,
             Limit::Seconds(seconds) => self.elapsed() / seconds,
             Limit::None => 0.0,
         };
-        // Late or not: a render without a sample would be a black image.
-        let fraction = fraction
-            .max(self.noted)
-            .min(if done > 0 { 1.0 } else { 0.999 });
-        let is_over = match self.limit {
-            Limit::Samples(n) => done >= n || self.noted >= 1.0,
-            Limit::Seconds(_) | Limit::None => fraction >= 1.0,
-        };
+        let fraction = spent.max(self.noted).min(1.0);
         let left = match self.limit {
             Limit::Seconds(seconds) if self.noted == 0.0 => seconds - self.elapsed(),
             _ => self.working_seconds() * (1.0 / fraction - 1.0),
@@ -96,7 +92,7 @@ impl<'a> Clock<'a> {
         let known = done > 0 && left.is_finite();
         self.observer
             .progress(fraction, known.then_some(left.max(0.0)));
-        is_over || self.observer.interrupted()
+        fraction >= 1.0 || self.observer.interrupted()
     }
 
     /// Seconds since the start of the render.

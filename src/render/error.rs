@@ -220,10 +220,11 @@ impl Groups {
             let group = self.chains_of(g, all);
             let begin = group.start.clamp(chains.start, chains.end) - chains.start;
             let end = group.end.clamp(chains.start, chains.end) - chains.start;
-            let logs = seats[begin..end]
-                .iter()
-                .flat_map(|seat| [&seat.chain_log, &seat.large_log]);
-            self.films[g].apply(&logs.collect::<Vec<_>>());
+            if begin < end {
+                let seats = seats[begin..end].iter();
+                let logs = seats.flat_map(|seat| [&seat.chain_log, &seat.large_log]);
+                self.films[g].apply(&logs.collect::<Vec<_>>());
+            }
         }
     }
 

@@ -37,6 +37,13 @@ struct Raster {
 }
 
 impl Raster {
+    fn of(scene: &Scene) -> Self {
+        let [width, height] = [scene.film.width, scene.film.height];
+        Self {
+            pixels: u64::from(width) * u64::from(height),
+        }
+    }
+
     fn runs_per_pass(self) -> u64 {
         self.pixels.div_ceil(RUN)
     }
@@ -126,7 +133,7 @@ impl Run {
         self.non_finite.clear();
         let sampler = settings.integrator.sampler();
         let mut point = AtPixel::run(settings.seed, index);
-        for pixel in Driver::raster(scene).pixels_of(index) {
+        for pixel in Raster::of(scene).pixels_of(index) {
             point.place(film, pixel);
             sampler.sample(scene, &mut point, &mut self.workspace, &mut self.splats);
             self.pixels.push(self.splats.camera.as_dvec3().to_array());
@@ -145,7 +152,7 @@ impl Run {
 pub(super) fn render(scene: &Scene, settings: &Settings, observer: &dyn Observer) -> Rendering {
     let mut driver = Driver::new(scene, settings);
     observer.phase("rendering");
-    let pixels = Driver::raster(scene).pixels;
+    let pixels = Raster::of(scene).pixels;
     let mut clock = Clock::new(Instant::now(), settings.budget, pixels, observer);
     driver.sample(&mut clock);
     driver.finish(&clock, observer)
@@ -166,7 +173,7 @@ struct Driver<'a> {
 impl<'a> Driver<'a> {
     fn new(scene: &'a Scene, settings: &'a Settings) -> Self {
         let [width, height] = [scene.film.width, scene.film.height];
-        let pixels = Self::raster(scene).pixels;
+        let pixels = Raster::of(scene).pixels;
         Self {
             scene,
             settings,
@@ -179,16 +186,9 @@ impl<'a> Driver<'a> {
         }
     }
 
-    fn raster(scene: &Scene) -> Raster {
-        let [width, height] = [scene.film.width, scene.film.height];
-        Raster {
-            pixels: u64::from(width) * u64::from(height),
-        }
-    }
-
     /// Samples until the budget is spent or the error is small enough.
     fn sample(&mut self, clock: &mut Clock) {
-        let raster = Self::raster(self.scene);
+        let raster = Raster::of(self.scene);
         let [width, height] = [self.scene.film.width, self.scene.film.height];
         let film_sampler = FilmSampler::new(width, height, self.scene.film.filter);
         let mut target = Target::new(self.settings, raster.pixels);
@@ -225,7 +225,7 @@ impl<'a> Driver<'a> {
 
     /// Takes `block` runs, in parallel, and adds them to the film in order.
     fn block(&mut self, film_sampler: &FilmSampler, block: u64) {
-        let raster = Self::raster(self.scene);
+        let raster = Raster::of(self.scene);
         let (scene, settings, next_run) = (self.scene, self.settings, self.next_run);
         let needed = self.runs.len().max(block as usize);
         self.runs.resize_with(needed, Run::default);
@@ -261,7 +261,7 @@ impl<'a> Driver<'a> {
         let unsampled = match self.settings.integrator.sampler() {
             Sampler::Light => None,
             Sampler::Path | Sampler::Bidirectional => {
-                warnings::unsampled(self.done, Self::raster(self.scene).pixels)
+                warnings::unsampled(self.done, Raster::of(self.scene).pixels)
             }
         };
         let warnings = warnings::non_finite(&self.non_finite)

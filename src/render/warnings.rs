@@ -35,7 +35,7 @@ pub(super) fn unsampled(done: u64, pixels: u64) -> Option<String> {
 /// Tells that an error was asked for and cannot be given, or has not been reached.
 pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Option<String> {
     match (estimate, settings.target_error) {
-        (None, _) if settings.error => Some(
+        (None, _) if settings.wants_error() => Some(
             "the error of the image is not known: that takes two samples per pixel at least, or \
              two chains"
                 .into(),
