@@ -5,7 +5,7 @@
 //! or as the state of a Markov chain ([`markov`]). Rooms use only what stands below them:
 //!
 //! `commands` > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
-//! [`film`], [`statistics`] > [`math`].
+//! [`film`], [`plot`] > [`statistics`] > [`math`].
 #![deny(missing_docs)]
 
 pub mod film;
@@ -14,6 +14,7 @@ pub mod markov;
 pub mod math;
 pub mod mitsuba;
 pub mod path;
+pub mod plot;
 pub mod render;
 pub mod scene;
 pub mod statistics;

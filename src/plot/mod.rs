@@ -1,0 +1,22 @@
+//! Charts as SVG, and SVG as PNG. Knows nothing of rendering.
+
+pub mod chart;
+pub mod colors;
+pub mod heat_map;
+pub mod raster;
+
+pub use chart::{Axis, Chart, Mark, Scale, Series, draw};
+pub use colors::{false_color, series_color};
+pub use heat_map::{HeatMap, draw_heat_maps};
+pub use raster::rasterize;
+
+/// Why a chart cannot be drawn: as a rule its numbers leave no range for an axis.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot draw the chart: {0}")]
+pub struct PlotError(pub String);
+
+impl PlotError {
+    fn new(cause: impl std::fmt::Display) -> Self {
+        Self(cause.to_string())
+    }
+}
