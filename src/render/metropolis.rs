@@ -70,7 +70,7 @@ struct Driver<'a> {
     /// There if the error is wanted.
     groups: Option<Groups>,
     seats: Vec<Seat<'a>>,
-    rays: RayCounts,
+    bootstrap_rays: RayCounts,
     done: u64,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Driver<'a> {
             large_film: film,
             groups: None,
             seats: Vec::new(),
-            rays: RayCounts::default(),
+            bootstrap_rays: RayCounts::default(),
             done: 0,
         }
     }
@@ -145,7 +145,7 @@ impl<'a> Driver<'a> {
                 done > 0 && start.elapsed().as_secs_f64() > deadline || observer.interrupted()
             },
         );
-        self.rays += rays.into_inner().unwrap_or_default();
+        self.bootstrap_rays += rays.into_inner().unwrap_or_default();
         bootstrap
     }
 
@@ -209,9 +209,17 @@ impl<'a> Driver<'a> {
                     clock.note(target.look(self.done, &estimate));
                 }
             }
+            clock.show(self.done, self.rays().total(), || {
+                self.credit(&weighing);
+                self.develop(self.uniform(bootstrap).mean, weighing.b)
+            });
         }
         self.credit(&weighing);
-        self.rays += self.seats.iter().map(|seat| seat.target.rays()).sum();
+    }
+
+    fn rays(&self) -> RayCounts {
+        let seats = self.seats.iter().map(|seat| seat.target.rays());
+        std::iter::once(self.bootstrap_rays).chain(seats).sum()
     }
 
     /// Credits every chain's state with the weight that it has gathered.
@@ -319,7 +327,7 @@ impl<'a> Driver<'a> {
             self.settings,
             seconds,
             self.done,
-            self.rays,
+            self.rays(),
             non_finite,
         );
         statistics.metropolis = Some(metropolis);

@@ -19,7 +19,7 @@ use crate::integrators::{Sampler, Splats, Workspace};
 use crate::math::seeds::{self, Purpose};
 use crate::math::{Coordinates, FreshCoordinates, Stream};
 use crate::path::dimensions;
-use crate::scene::Scene;
+use crate::scene::{RayCounts, Scene};
 
 /// Pixels of one run: each has a stream of random numbers of its own in every pass.
 const RUN: u64 = 256;
@@ -203,6 +203,10 @@ impl<'a> Driver<'a> {
             if self.next_run.is_multiple_of(raster.runs_per_pass()) {
                 self.end_pass(&mut target, clock);
             }
+            // Before every pixel has a sample there is no image to speak of.
+            if self.done >= raster.pixels {
+                clock.show(self.done, self.rays().total(), || self.image());
+            }
         }
     }
 
@@ -248,6 +252,10 @@ impl<'a> Driver<'a> {
         self.next_run += block;
     }
 
+    fn rays(&self) -> RayCounts {
+        self.runs.iter().map(|run| run.workspace.rays).sum()
+    }
+
     fn image(&self) -> Image {
         self.film.develop(1.0 / self.done.max(1) as f64)
     }
@@ -275,7 +283,7 @@ impl<'a> Driver<'a> {
             self.settings,
             [clock.elapsed(); 2],
             self.done,
-            self.runs.iter().map(|run| run.workspace.rays).sum(),
+            self.rays(),
             self.non_finite,
         );
         Rendering {
