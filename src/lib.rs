@@ -4,10 +4,11 @@
 //! sampler, [`integrators`]) and a driver that decides how the point moves ([`render`]): at random,
 //! or as the state of a Markov chain ([`markov`]). Rooms use only what stands below them:
 //!
-//! `commands` > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
+//! `commands` > [`convergence`] > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
 //! [`film`], [`plot`] > [`statistics`] > [`math`].
 #![deny(missing_docs)]
 
+pub mod convergence;
 pub mod film;
 pub mod integrators;
 pub mod markov;

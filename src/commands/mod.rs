@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod converge;
 mod interrupt;
 mod output;
 mod progress;
@@ -42,6 +43,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Check(check::Args),
+    Converge(converge::Args),
     Replay(replay::Args),
     Completions(completions::Args),
 }
@@ -68,6 +70,7 @@ pub fn run() -> miette::Result<Outcome> {
     match Cli::parse().command {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(&args),
+        Command::Converge(args) => converge::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }

@@ -63,7 +63,7 @@ pub struct Args {
     seed: u64,
 
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
 
     #[arg(
@@ -77,7 +77,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u64).range(1..=MOST_CHAINS),
+        value_parser = values::chains,
         help = chains_help()
     )]
     chains: Option<u64>,
@@ -171,22 +171,8 @@ fn chains_help() -> String {
     format!("pssmlt: number of Markov chains [default: {default}]")
 }
 
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|&n: &usize| (1..=MOST_THREADS).contains(&n));
-    number.ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
-}
-
-/// More than any machine has; beyond it the operating system refuses.
-const MOST_THREADS: usize = 512;
-
 /// Contributions that were not finite: so many command lines are printed that show one.
 const MOST_REPLAYS: usize = 8;
-
-/// A chain takes some kilobytes.
-const MOST_CHAINS: u64 = 1 << 20;
 
 /// Loads, renders, writes and sums up.
 pub fn run(args: Args) -> miette::Result<Outcome> {

@@ -32,6 +32,36 @@ pub fn probability(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "a number from 0 to 1 is needed".into())
 }
 
+/// A whole number from 1 on.
+pub fn positive(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|&n: &u64| n > 0)
+        .ok_or_else(|| "a whole number from 1 on is needed".into())
+}
+
+/// A number of Markov chains.
+pub fn chains(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=MOST_CHAINS).contains(n))
+        .ok_or_else(|| format!("a number of chains from 1 to {MOST_CHAINS} is needed"))
+}
+
+/// A chain takes some kilobytes.
+const MOST_CHAINS: u64 = 1 << 20;
+
+/// A number of threads.
+pub fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=MOST_THREADS).contains(n))
+        .ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
+}
+
+/// More than any machine has; beyond it the operating system refuses.
+const MOST_THREADS: usize = 512;
+
 /// A relMSE to stop at.
 pub fn target_error(text: &str) -> Result<f64, String> {
     text.parse()

@@ -116,7 +116,10 @@ impl<'a> Clock<'a> {
 
     /// Seconds since the start of the render.
     pub fn elapsed(&self) -> f64 {
-        self.start.elapsed().saturating_sub(self.paused).as_secs_f64()
+        self.start
+            .elapsed()
+            .saturating_sub(self.paused)
+            .as_secs_f64()
     }
 
     /// Second of the render at which the counted work began.
