@@ -71,6 +71,11 @@ pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> mie
     write_png(&exr.with_extension("png"), image).into_diagnostic()
 }
 
+/// Writes a text file.
+pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
+    replace_file(path, |writer| writer.write_all(text.as_bytes())).into_diagnostic()
+}
+
 /// Makes a directory, and those above it, unless it is there.
 pub fn make_directory(path: &Path) -> miette::Result<()> {
     std::fs::create_dir_all(path)

@@ -62,6 +62,14 @@ pub fn threads(text: &str) -> Result<usize, String> {
 /// More than any machine has; beyond it the operating system refuses.
 const MOST_THREADS: usize = 512;
 
+/// A level of significance.
+pub fn level(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|a: &f64| *a > 0.0 && *a < 1.0)
+        .ok_or_else(|| "a number between 0 and 1 is needed, such as 1e-3".into())
+}
+
 /// A relMSE to stop at.
 pub fn target_error(text: &str) -> Result<f64, String> {
     text.parse()

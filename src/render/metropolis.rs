@@ -17,14 +17,14 @@ use rayon::prelude::*;
 
 use super::clock::Clock;
 use super::error::{ErrorEstimate, GroupWork, Groups, Target};
-use super::seat::{LightTarget, Seat, Weighing};
+use super::seat::{LightTarget, Seat, log};
 use super::warnings;
 use super::{
     Budget, MetropolisStatistics, NonFinite, Observer, Origin, Rendering, Settings, Statistics,
 };
 use crate::film::{Image, SplatFilm, SplatLog};
 use crate::integrators::Splats;
-use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
+use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep, Weighing};
 use crate::math::color::to_pixel;
 use crate::math::seeds;
 use crate::scene::{RayCounts, Scene};
@@ -198,7 +198,7 @@ impl<'a> Driver<'a> {
                 let steps = total.map_or(turn, |total| turn.min(quota(total, chains, i) - made));
                 for _ in 0..steps {
                     let retired = chain.step(&mut seat.target);
-                    weighing.log(retired, seat);
+                    log(&weighing, retired, seat);
                 }
                 steps
             });
@@ -228,7 +228,7 @@ impl<'a> Driver<'a> {
         for first in (0..self.chains.len()).step_by(block) {
             let chains = first..(first + block).min(self.chains.len());
             self.in_seats(chains, |_, chain, _, seat| {
-                weighing.log(chain.current(), seat);
+                log(weighing, chain.current(), seat);
                 chain.take_weights();
                 0
             });

@@ -98,24 +98,28 @@ fn split(chains: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Normal scores of all values together: Phi^-1((r - 3/8) / (S + 1/4)) with r the rank from 1 to S,
 /// the mean one among ties (Vehtari et al. 2021, eq. 14; the offset is Blom's of 1958).
 fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let mut order: Vec<(f64, usize, usize)> = Vec::new();
-    for (c, chain) in chains.iter().enumerate() {
-        order.extend(chain.iter().enumerate().map(|(i, &x)| (x, c, i)));
-    }
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all: Vec<f64> = chains.iter().flatten().copied().collect();
     let normal = Normal::standard();
-    let size = order.len() as f64;
-    let mut scores = chains.to_vec();
+    let size = all.len() as f64;
+    let mut scores = mean_ranks(&all)
+        .into_iter()
+        .map(|rank| normal.inverse_cdf((rank - 0.375) / (size + 0.25)));
+    let chain_scores = |chain: &Vec<f64>| scores.by_ref().take(chain.len()).collect();
+    chains.iter().map(chain_scores).collect()
+}
+
+/// Ranks from 1 on, the mean one among ties.
+pub(super) fn mean_ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let mut ranks = vec![0.0; values.len()];
     let mut before = 0;
-    for ties in order.chunk_by(|a, b| a.0 == b.0) {
+    for ties in order.chunk_by(|&i, &j| values[i] == values[j]) {
         let rank = before as f64 + 0.5 * (ties.len() + 1) as f64;
-        let score = normal.inverse_cdf((rank - 0.375) / (size + 0.25));
-        for &(_, c, i) in ties {
-            scores[c][i] = score;
-        }
+        ties.iter().for_each(|&i| ranks[i] = rank);
         before += ties.len();
     }
-    scores
+    ranks
 }
 
 /// sqrt((B/W + n - 1) / n) of chains of length n (Gelman and Rubin 1992): B / n is the variance

@@ -4,6 +4,7 @@ pub mod autocorrelation;
 pub mod convergence;
 pub mod hypothesis;
 pub mod image_error;
+pub mod independence;
 pub mod moments;
 mod pooling;
 pub mod power;
@@ -27,6 +28,7 @@ pub use hypothesis::{
 pub use image_error::{
     ImageError, expected_relative_mse, image_errors, relative_mse, relative_square_errors,
 };
+pub use independence::spearman;
 pub use moments::Moments;
 pub use power::clopper_pearson;
 pub use ranks::{rank_among, rank_uniformity};
