@@ -20,6 +20,9 @@ pub(crate) enum Fault {
     ForcedAcceptance,
     /// The probability of a large step in the weights is not that of the chain.
     OtherLargeStepProbability,
+    /// The number of techniques is no factor of a multiplexed density.
+    #[cfg(test)]
+    TechniqueCountLeftOut,
     /// Two neighbouring chains share their random numbers.
     SharedNumbers,
     /// b of the bootstrap is 1% too large.

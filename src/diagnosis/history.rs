@@ -1,12 +1,17 @@
 //! Chains that start in equilibrium, and what happens to them.
 
+use std::time::Instant;
+
+use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
+use super::DiagnoseError;
 use super::observation::{Features, Observation, Subject, TILES};
-use super::starts::Starts;
+use super::starts::{Start, Starts};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Chain, ChainCounters, Sample, Weighing};
 use crate::math::seeds;
+use crate::render::Observer;
 
 /// Steps after which the chains are looked at.
 pub const LOOKS: [u64; 4] = [1, 8, 64, 512];
@@ -42,28 +47,45 @@ pub struct History {
     pub small_steps: Vec<[u32; 2]>,
 }
 
+/// Chains that run between two looks at the observer.
+const BATCH: usize = 256;
+
 /// Runs a chain from every start for as many steps as the last look wants.
+///
+/// # Errors
+/// If the observer stops it.
 pub fn run<S: Subject>(
     subject: &S,
     starts: &Starts,
     seed: u64,
     weighing: Weighing,
-) -> Vec<History> {
-    let generators = seeds::chain_generators(seed, starts.starts.len());
-    let starts_and_generators = starts.starts.par_iter().zip(generators);
-    starts_and_generators
-        .map(|(start, generator)| {
+    observer: &dyn Observer,
+) -> Result<Vec<History>, DiagnoseError> {
+    let all = starts.starts.len();
+    let generators = seeds::chain_generators(seed, all);
+    let begin = Instant::now();
+    let mut histories = Vec::with_capacity(all);
+    for (starts_of, generators) in starts.starts.chunks(BATCH).zip(generators.chunks(BATCH)) {
+        if observer.interrupted() {
+            return Err(DiagnoseError::Interrupted);
+        }
+        let done = histories.len() as f64 / all as f64;
+        let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
+        observer.progress(done, (done > 0.0).then_some(left));
+        let history = |(start, generator): (&Start, &Xoshiro256PlusPlus)| {
             let mut target = subject.target();
             let chain = Chain::start(
                 &mut target,
                 sample_generator(starts.seed, start.sample),
-                generator,
+                generator.clone(),
                 weighing.large_step_probability as f32,
                 subject.small_step(),
             );
             Recorder::new(chain, start.sample, weighing).record(&mut target)
-        })
-        .collect()
+        };
+        histories.par_extend(starts_of.par_iter().zip(generators).map(history));
+    }
+    Ok(histories)
 }
 
 /// A chain whose history is being written.

@@ -7,6 +7,7 @@
 //! however slowly a chain moves.
 
 pub mod check;
+mod equilibrium;
 pub mod history;
 pub mod invariance;
 pub mod light;
@@ -16,13 +17,16 @@ pub mod quality;
 pub mod reversibility;
 pub mod start_up;
 pub mod starts;
+#[cfg(test)]
+mod tests;
 
 use serde::Serialize;
 
-use crate::markov::{Bootstrap, BootstrapLimits, Weighing};
-use crate::math::seeds::{self, Purpose};
+use crate::markov::BootstrapLimits;
+use crate::math::seeds;
 use crate::render::Observer;
 
+use self::equilibrium::{Equilibrium, equilibrium};
 pub use check::{Check, Family};
 pub use light::{COORDINATE_NAMES, SceneLight};
 pub use normalisation::{Estimate, Normalisation};
@@ -46,6 +50,9 @@ pub struct Effort {
     pub steps: u64,
     /// Names of the watched coordinates.
     pub coordinates: [&'static str; COORDINATES],
+    /// Bounds on the bootstrap that b is known from and long chains start from.
+    #[serde(skip)]
+    pub bootstrap: BootstrapLimits,
 }
 
 impl Default for Effort {
@@ -57,6 +64,11 @@ impl Default for Effort {
             samples: 1 << 22,
             steps: 4096,
             coordinates: COORDINATE_NAMES,
+            bootstrap: BootstrapLimits {
+                at_least: 1 << 17,
+                at_most: 1 << 20,
+                relative_error: 0.005,
+            },
         }
     }
 }
@@ -91,13 +103,6 @@ pub enum DiagnoseError {
     Interrupted,
 }
 
-/// Bounds on the bootstrap that b is first known from.
-const BOOTSTRAP: BootstrapLimits = BootstrapLimits {
-    at_least: 1 << 17,
-    at_most: 1 << 20,
-    relative_error: 0.005,
-};
-
 /// Parts of the random numbers; none is used twice.
 mod part {
     pub const BOOTSTRAP: u64 = 0;
@@ -120,60 +125,21 @@ pub fn diagnose<S: Subject>(
     effort: &Effort,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let seed = |part| seeds::part(effort.seed, part);
     let p_large = effort.large_step_probability;
-    let phase = |name: &str| {
-        observer.phase(name);
-        if observer.interrupted() {
-            Err(DiagnoseError::Interrupted)
-        } else {
-            Ok(())
-        }
-    };
-
-    phase("bootstrap")?;
-    let bootstrap = bootstrap(subject, seed(part::BOOTSTRAP), observer);
-    if bootstrap.moments.mean <= 0.0 {
-        return Err(DiagnoseError::NoLight(bootstrap.moments.count));
-    }
-
-    phase("starts")?;
-    let c = starts::spacing(&bootstrap);
-    let draw = |part| Starts::draw(subject, seed(part), c, effort.chains, effort.samples);
-    let (fresh, starts) = (draw(part::FRESH), draw(part::STARTS));
-    let fresh: Vec<Features> = fresh.starts.iter().map(|start| start.features).collect();
-
-    phase("chains")?;
-    let weighing = Weighing {
-        b: bootstrap.moments.mean,
-        large_step_probability: f64::from(p_large),
-    };
-    let histories = history::run(subject, &starts, seed(part::CHAINS), weighing);
-    phase("ranks")?;
-    let mut checks = reversibility::ranks(subject, &starts, seed(part::RANKS), p_large);
-    phase("tests")?;
-    let mut rng = seeds::generator(seed(part::TESTS), Purpose::Tests, 0);
-    checks.extend(invariance::invariance(
-        &fresh,
-        &histories,
-        effort.coordinates,
-        &mut rng,
-    ));
-    checks.extend(reversibility::symmetry(&fresh, &histories));
-    checks.extend(invariance::independence(&histories));
-
-    phase("plain")?;
-    let plain = subject.plain(seed(part::PLAIN));
-    let (normalisation, more) =
-        normalisation::normalisation(&bootstrap, &histories, &plain, weighing);
-    checks.extend(more);
-    check::correct(&mut checks);
-
-    phase("start-up")?;
+    let Equilibrium {
+        checks,
+        bootstrap,
+        fresh,
+        starts,
+        histories,
+        normalisation,
+    } = equilibrium(subject, effort, observer)?;
+    begin(observer, "start-up bias")?;
+    let seed = |part| seeds::part(effort.seed, part);
     let start_up = start_up::start_up_bias(subject, &fresh, seed(part::START_UP), p_large);
-    phase("quality")?;
-    let seed = seed(part::QUALITY);
-    let quality = quality::quality(subject, &bootstrap, &histories, effort.steps, seed, p_large);
+    begin(observer, "long chains")?;
+    let long = (effort.steps, seed(part::QUALITY));
+    let quality = quality::quality(subject, &bootstrap, &histories, long, p_large);
     Ok(Diagnosis {
         checks,
         chains: histories.len(),
@@ -185,17 +151,14 @@ pub fn diagnose<S: Subject>(
     })
 }
 
-fn bootstrap<S: Subject>(subject: &S, seed: u64, observer: &dyn Observer) -> Bootstrap {
-    Bootstrap::run(
-        seed,
-        BOOTSTRAP,
-        || subject.target(),
-        |_| (),
-        |done| {
-            observer.progress(done as f64 / BOOTSTRAP.at_most as f64, None);
-            observer.interrupted()
-        },
-    )
+/// Tells of a phase, unless the observer wants an end.
+fn begin(observer: &dyn Observer, phase: &str) -> Result<(), DiagnoseError> {
+    observer.phase(phase);
+    if observer.interrupted() {
+        Err(DiagnoseError::Interrupted)
+    } else {
+        Ok(())
+    }
 }
 
 impl Diagnosis {

@@ -96,13 +96,12 @@ pub struct TileMixing {
     pub ess: f64,
 }
 
-/// Runs long chains that start as a render starts them, `steps` steps each.
+/// Runs long chains that start as a render starts them, so many steps each, under a seed.
 pub fn quality<S: Subject>(
     subject: &S,
     bootstrap: &Bootstrap,
     histories: &[History],
-    steps: u64,
-    seed: u64,
+    (steps, seed): (u64, u64),
     large_step_probability: f32,
 ) -> Quality {
     let begin = Instant::now();

@@ -46,7 +46,7 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// At least `wanted` starts, or as many as there are among `most` samples.
+    /// The first `wanted` starts, or as many as there are among `most` samples.
     pub fn draw<S: Subject>(subject: &S, seed: u64, c: f64, wanted: usize, most: u64) -> Self {
         let mut drawn = Self {
             seed,
@@ -69,6 +69,7 @@ impl Starts {
             drawn.starts.extend(found.into_iter().flatten());
             drawn.samples = last;
         }
+        drawn.starts.truncate(wanted);
         drawn
     }
 

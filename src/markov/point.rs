@@ -101,7 +101,7 @@ impl LazyPoint {
 
     /// Sets coordinates of the current state, as if they had been drawn: how a chain starts from a
     /// point found by the bootstrap.
-    pub(super) fn set(&mut self, stream: Stream, first: usize, values: &[f32]) {
+    pub(crate) fn set(&mut self, stream: Stream, first: usize, values: &[f32]) {
         self.grow(stream, first + values.len());
         for (coordinate, &value) in self.streams[stream as usize][first..]
             .iter_mut()

@@ -1,0 +1,247 @@
+//! With a fault planted some test rejects: in 99% of the runs, or more.
+
+use std::collections::BTreeMap;
+
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::{Analytic, checks, effort};
+use crate::diagnosis::{TILES, tile_at};
+use crate::fault::{self, Fault};
+use crate::integrators::{Sampler, Splats, Workspace};
+use crate::markov::{LazyPoint, SmallStep};
+use crate::math::{Coordinates, FreshCoordinates, Stream, luminance, seeds};
+use crate::scene::Scene;
+use crate::statistics::{Moments, clopper_pearson, holm, kolmogorov_smirnov, welch};
+
+/// Runs reject at this level, all their tests together.
+const ALPHA: f64 = 1e-3;
+
+/// Runs of each fault in the quick form and in the long one. If all of 300 reject, the power is above
+/// 0.99 with a confidence of 95%.
+const QUICK: u64 = 12;
+const LONG: u64 = 300;
+
+/// Where a fault is looked for.
+#[derive(Clone, Copy, Debug)]
+enum Hunt {
+    /// By `diagnose`, on a target, with so many chains and 2^n samples for b.
+    Chains(Analytic, usize, u32),
+    /// By the law of a coordinate that was not read for some steps.
+    LazySteps,
+    /// By Welch's test per tile, with so many samples, between two path samplers.
+    Images([Sampler; 2], u64),
+}
+
+const HUNTS: [(Fault, Hunt, &str); 13] = [
+    (
+        Fault::Clamped,
+        Hunt::Chains(Analytic::Ramp, 1000, 14),
+        "clamp instead of wrap",
+    ),
+    (
+        Fault::Asymmetric,
+        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        "asymmetric step",
+    ),
+    (
+        Fault::NotRestored,
+        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        "no restore on reject",
+    ),
+    (
+        Fault::LazyStepTooFew,
+        Hunt::LazySteps,
+        "one lazy step too few",
+    ),
+    (
+        Fault::InvertedRatio,
+        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        "inverted ratio",
+    ),
+    (
+        Fault::UnclippedWeights,
+        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        "acceptance not clipped in the weights",
+    ),
+    (
+        Fault::ForcedAcceptance,
+        Hunt::Chains(Analytic::Islands, 1000, 14),
+        "forced acceptance after 8 rejections",
+    ),
+    (
+        Fault::OtherLargeStepProbability,
+        Hunt::Chains(Analytic::Ridge, 1000, 16),
+        "p_large in the weights 20% off",
+    ),
+    (
+        Fault::TechniqueCountLeftOut,
+        Hunt::Chains(Analytic::Multiplexed, 1000, 14),
+        "technique count left out of the multiplexed density",
+    ),
+    (
+        Fault::SharedNumbers,
+        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        "chains sharing random numbers",
+    ),
+    (
+        Fault::NormalisationOff,
+        Hunt::Chains(Analytic::Swell, 1000, 18),
+        "b off by 1%",
+    ),
+    (
+        Fault::AdjointLeftOut,
+        Hunt::Images([Sampler::Path, Sampler::Light], 1 << 16),
+        "adjoint factor left out",
+    ),
+    (
+        Fault::WeightOff,
+        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 17),
+        "a MIS weight 5% off",
+    ),
+];
+
+/// The least corrected p-value of a run, and the test that it is of.
+fn least(hunt: Hunt, seed: u64) -> (f64, String) {
+    match hunt {
+        Hunt::Chains(target, chains, bootstrap) => {
+            let checks = checks(target, &effort(seed, chains, bootstrap));
+            let least = checks
+                .into_iter()
+                .min_by(|a, b| a.p_value.total_cmp(&b.p_value));
+            let least = least.expect("some test");
+            (least.adjusted, least.name)
+        }
+        Hunt::LazySteps => (
+            lazy_steps(seed),
+            "Kolmogorov-Smirnov of lazy and eager steps".into(),
+        ),
+        Hunt::Images(samplers, samples) => (
+            images(seed, samplers, samples),
+            "Welch, tile by tile, of two images".into(),
+        ),
+    }
+}
+
+/// How a coordinate has moved that was left alone for 3 steps, and then read; against 4 steps that
+/// were all made. 2000 of each.
+fn lazy_steps(seed: u64) -> f64 {
+    const LEFT_ALONE: usize = 3;
+    let step = SmallStep::default();
+    let moved = |lazy: bool| -> Vec<f64> {
+        let part = seeds::part(seed, u64::from(lazy));
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(part);
+        let mut run = || {
+            if !lazy {
+                return (0..=LEFT_ALONE).fold(0.5, |v, _| step.apply(v, &mut rng));
+            }
+            rng.jump();
+            let mut point = LazyPoint::new(rng.clone(), step);
+            point.set(Stream::Light, 0, &[0.5]);
+            for _ in 0..LEFT_ALONE {
+                point.propose(false);
+                point.accept();
+            }
+            point.propose(false);
+            let [value] = point.read(Stream::Light, 0);
+            value
+        };
+        (0..2000).map(|_| f64::from(run())).collect()
+    };
+    kolmogorov_smirnov(&moved(true), &moved(false))
+}
+
+/// Corrected least p-value of Welch's tests between the tiles of two samplers' images of a scene with
+/// refraction and tilted shading normals.
+fn images(seed: u64, samplers: [Sampler; 2], samples: u64) -> f64 {
+    let scene = adjoint_scene();
+    let [a, b] = [0, 1].map(|i| tiles(&scene, samplers[i], seeds::part(seed, i as u64), samples));
+    let p_values: Vec<f64> = a.iter().zip(&b).map(|(a, b)| welch(a, b)).collect();
+    holm(&p_values).into_iter().fold(1.0, f64::min)
+}
+
+fn adjoint_scene() -> Scene {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/adjoint.xml");
+    let loaded = crate::mitsuba::load(&path, &[]).expect("a scene of the tests");
+    loaded.description.build().expect("a scene of the tests")
+}
+
+/// Moments of the light of each tile, over batches of uniform samples of the hypercube.
+fn tiles(scene: &Scene, sampler: Sampler, seed: u64, samples: u64) -> Vec<Moments> {
+    const BATCHES: u64 = 64;
+    let mut moments = vec![Moments::default(); TILES * TILES];
+    let (mut workspace, mut splats) = (Workspace::default(), Splats::default());
+    for batch in 0..BATCHES {
+        let rng = Xoshiro256PlusPlus::seed_from_u64(seeds::part(seed, batch));
+        let mut point = FreshCoordinates::new(rng);
+        let mut light = vec![0.0; TILES * TILES];
+        for _ in 0..samples / BATCHES {
+            sampler.sample(scene, &mut point, &mut workspace, &mut splats);
+            for splat in splats.iter() {
+                let tile = tile_at(splat.position.map(f64::from), [1.0; 2]);
+                light[tile] += f64::from(luminance(splat.value));
+            }
+        }
+        moments
+            .iter_mut()
+            .zip(light)
+            .for_each(|(m, light)| m.add(light));
+    }
+    moments
+}
+
+/// How many of `runs` runs reject, and by which test how often.
+fn rejections(fault: Option<Fault>, hunt: Hunt, runs: u64) -> (u64, BTreeMap<String, u64>) {
+    let seeds: Vec<u64> = (0..runs).collect();
+    let halves: Vec<Vec<(f64, String)>> = seeds
+        .par_chunks(seeds.len().div_ceil(2))
+        .map(|seeds| {
+            fault::with(fault, || {
+                seeds.iter().map(|&seed| least(hunt, seed)).collect()
+            })
+        })
+        .collect();
+    let mut tests = BTreeMap::new();
+    for (p, name) in halves.into_iter().flatten() {
+        if p < ALPHA {
+            *tests.entry(name).or_insert(0) += 1;
+        }
+    }
+    (tests.values().sum(), tests)
+}
+
+#[test]
+fn every_planted_fault_is_found() {
+    for (fault, hunt, name) in HUNTS {
+        let (found, tests) = rejections(Some(fault), hunt, QUICK);
+        assert!(
+            found == QUICK,
+            "{name}: {found} of {QUICK} runs reject; {tests:?}"
+        );
+    }
+}
+
+/// Without a fault the same runs do not reject: of 13 x 12 of them one may, with probability 0.15.
+#[test]
+fn no_fault_is_found_where_there_is_none() {
+    let found = HUNTS.map(|(_, hunt, _)| rejections(None, hunt, QUICK).0);
+    assert!(found.iter().sum::<u64>() <= 1, "{found:?}");
+}
+
+/// Prints the table of docs/diagnostics.md.
+#[test]
+#[ignore = "takes many minutes"]
+fn every_planted_fault_is_found_in_99_of_100_runs() {
+    println!("| fault | found in | power, at 95% confidence | by, as a rule |");
+    println!("| --- | --- | --- | --- |");
+    for (fault, hunt, name) in HUNTS {
+        let (found, tests) = rejections(Some(fault), hunt, LONG);
+        // The lower end of a two-sided interval of 90% is one-sided at 95%.
+        let [power, _] = clopper_pearson(found, LONG, 0.9);
+        let most = tests.iter().max_by_key(|(_, count)| **count);
+        let by = most.map_or("", |(test, _)| test);
+        println!("| {name} | {found} of {LONG} runs | above {power:.3} | {by} |");
+        assert!(power > 0.99, "{name}: {found} of {LONG}; {tests:?}");
+    }
+}

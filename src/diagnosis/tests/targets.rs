@@ -1,0 +1,141 @@
+//! Targets whose distribution is known.
+
+use crate::diagnosis::{COORDINATES, Features, Observation, Subject, TILES, tile_at};
+use crate::fault::{Fault, planted};
+use crate::markov::{Target, bootstrap::sample_generator};
+use crate::math::{Coordinates, FreshCoordinates, Stream, seeds};
+
+/// Plain estimates that chains are compared with, and samples of each.
+const PLAIN: [u64; 2] = [32, 1 << 12];
+
+/// A density I on the hypercube.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Analytic {
+    /// One dimension, brightest next to one end of the interval: I = 1/10 + 4 x^3.
+    Ramp,
+    /// Two dimensions: a ridge along the diagonal, of standard deviation 0.03, over a floor; for
+    /// x < 1/2 a third coordinate, in another stream, is read and weighed by 2z.
+    Ridge,
+    /// Two dimensions: two round islands of standard deviation 0.04 in a dark sea.
+    Islands,
+    /// Two dimensions, nearly flat: I = 1 + sin(2 pi x) sin(2 pi y) / 2, and so b = 1 is soon known.
+    Swell,
+    /// A coordinate chooses one of three techniques, whose densities over (x, y) differ; the number
+    /// of techniques is a factor of I (Hachisuka et al. 2014, section 4.1).
+    Multiplexed,
+}
+
+impl Analytic {
+    pub const ALL: [Self; 5] = [
+        Self::Ramp,
+        Self::Ridge,
+        Self::Islands,
+        Self::Swell,
+        Self::Multiplexed,
+    ];
+
+    /// Its integral.
+    pub fn b(self) -> f64 {
+        let tau = std::f64::consts::TAU;
+        match self {
+            Self::Ramp => 1.1,
+            // The tails of the ridge and of the islands are cut where they do not matter.
+            Self::Ridge => 0.05 + 0.03 * tau.sqrt(),
+            Self::Islands => 2.0 * tau * 0.04 * 0.04,
+            Self::Swell | Self::Multiplexed => 1.0,
+        }
+    }
+}
+
+/// exp(-d^2 / (2 sigma^2)).
+fn bell(d_squared: f64, sigma: f64) -> f64 {
+    (-0.5 * d_squared / (sigma * sigma)).exp()
+}
+
+/// What the techniques of [`Analytic::Multiplexed`] give: 1 in the mean, all together.
+fn techniques(x: f64, y: f64) -> [f64; 3] {
+    [0.5, 0.6 * x, 0.6 * y * y]
+}
+
+impl Target for Analytic {
+    type Contribution = Observation;
+
+    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Observation) -> f64 {
+        let tau = std::f64::consts::TAU;
+        let [x, y] = match self {
+            Self::Ramp => {
+                let [x] = point.read(Stream::Camera, 0);
+                [f64::from(x), 0.5]
+            }
+            _ => point.read(Stream::Camera, 0).map(f64::from),
+        };
+        let mut coordinates = [f64::NAN; COORDINATES];
+        (coordinates[0], coordinates[1]) = (x, y);
+        let mut technique = 0;
+        let density = match self {
+            Self::Ramp => 0.1 + 4.0 * x * x * x,
+            Self::Ridge => {
+                let d = (x - y).rem_euclid(1.0);
+                let mut density = 0.05 + bell(d.min(1.0 - d).powi(2), 0.03);
+                if x < 0.5 {
+                    let [z] = point.read(Stream::Light, 2);
+                    coordinates[2] = f64::from(z);
+                    technique = 1;
+                    density *= 2.0 * f64::from(z);
+                }
+                density
+            }
+            Self::Islands => {
+                let island = |a: f64, b: f64| bell((x - a).powi(2) + (y - b).powi(2), 0.04);
+                island(0.3, 0.3) + island(0.7, 0.6)
+            }
+            Self::Swell => 1.0 + 0.5 * (tau * x).sin() * (tau * y).sin(),
+            Self::Multiplexed => {
+                let [choice] = point.read(Stream::Connection, 0);
+                technique = ((choice * 3.0) as usize).min(2);
+                let left_out = planted(Fault::TechniqueCountLeftOut);
+                techniques(x, y)[technique] * if left_out { 1.0 } else { 3.0 }
+            }
+        };
+        let tile = tile_at([x, y], [1.0; 2]);
+        out.features = Features {
+            log_density: f64::NAN,
+            tile,
+            technique,
+            length: technique as f64,
+            coordinates,
+        };
+        out.light.clear();
+        out.light.push((tile, density));
+        density
+    }
+}
+
+impl Subject for Analytic {
+    type Target = Self;
+
+    fn target(&self) -> Self {
+        *self
+    }
+
+    /// Of a multiplexed target, with all techniques at every place.
+    fn plain(&self, seed: u64) -> Vec<Vec<f64>> {
+        let [estimates, samples] = PLAIN;
+        let mut target = *self;
+        let mut out = Observation::default();
+        let mut estimate = |part: u64| {
+            let mut tiles = vec![0.0; TILES * TILES];
+            for i in 0..samples {
+                let rng = sample_generator(seeds::part(seed, part), i);
+                let mut density = target.evaluate(&mut FreshCoordinates::new(rng), &mut out);
+                if *self == Self::Multiplexed {
+                    let [x, y, ..] = out.features.coordinates;
+                    density = techniques(x, y).iter().sum();
+                }
+                tiles[out.features.tile] += density / samples as f64;
+            }
+            tiles
+        };
+        (0..estimates).map(&mut estimate).collect()
+    }
+}
