@@ -8,5 +8,7 @@ pub use hypothesis::{
     chi_square, distance_from_uniform, holm, normal_two_sided, smallest_detectable, welch,
     welch_score,
 };
-pub use image_error::{expected_relative_mse, relative_mse};
+pub use image_error::{
+    ImageError, expected_relative_mse, image_errors, relative_mse, relative_square_errors,
+};
 pub use moments::Moments;
