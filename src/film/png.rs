@@ -14,12 +14,7 @@ use super::read::Image;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png(path: &Path, image: &Image) -> Result<(), WriteError> {
-    let bytes: Vec<u8> = image
-        .pixels
-        .iter()
-        .flatten()
-        .map(|&v| encode_srgb(v))
-        .collect();
+    let bytes = srgb_bytes(image, 1.0);
     let (width, height) = (image.width as u32, image.height as u32);
     replace_file(path, |writer| {
         PngEncoder::new(writer)
@@ -31,9 +26,17 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), WriteError> {
     })
 }
 
+/// The image times `exposure` as sRGB, three bytes per pixel, clamped.
+pub fn srgb_bytes(image: &Image, exposure: f64) -> Vec<u8> {
+    let values = image.pixels.iter().flatten();
+    values
+        .map(|&v| encode_srgb((f64::from(v) * exposure) as f32))
+        .collect()
+}
+
 /// The transfer function of sRGB (IEC 61966-2-1, section 5.2), to the nearest of 256 steps; NaN
 /// becomes black.
-fn encode_srgb(linear: f32) -> u8 {
+pub(super) fn encode_srgb(linear: f32) -> u8 {
     let encoded = if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

@@ -1,14 +1,18 @@
 //! Images from files: OpenEXR, PNG, JPEG and Radiance HDR.
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
 use exr::meta::MetaData;
-use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
+use exr::meta::attribute::AttributeValue as ExrValue;
+use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+
+use super::exr::AttributeValue;
 
 /// Most pixels of an image: 16384 x 8192. A file may claim any size, and memory is finite.
 const MOST_PIXELS: usize = 1 << 27;
@@ -31,6 +35,36 @@ pub struct Image {
     pub height: usize,
     /// `width * height` pixels, rows from top to bottom.
     pub pixels: Vec<[f32; 3]>,
+}
+
+/// An image and what its file says beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnnotatedImage {
+    /// The image.
+    pub image: Image,
+    /// Of OpenEXR files, the other layers that have channels NAME.R, NAME.G and NAME.B, by name; as
+    /// many pixels as the image has.
+    pub layers: BTreeMap<String, Vec<[f32; 3]>>,
+    /// Of OpenEXR files, the texts and numbers that are no standard attributes, by name.
+    pub attributes: BTreeMap<String, AttributeValue>,
+}
+
+impl AnnotatedImage {
+    /// An attribute that is a number.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.attributes.get(name) {
+            Some(AttributeValue::Number(number)) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// An attribute that is a text.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        match self.attributes.get(name) {
+            Some(AttributeValue::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
 }
 
 /// What the numbers of an integer image (PNG, JPEG) mean. Images in floating point are linear
@@ -70,17 +104,40 @@ pub enum ReadImageError {
 /// # Errors
 /// If the file cannot be read, is broken, or claims to be beyond reason in size.
 pub fn read_image(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
+    read(path, decode, Extent::Image).map(|annotated| annotated.image)
+}
+
+/// Reads an image, with the layers and attributes that [`super::write_exr`] may have written.
+///
+/// # Errors
+/// As for [`read_image`].
+pub fn read_annotated(path: &Path, decode: Decode) -> Result<AnnotatedImage, ReadImageError> {
+    read(path, decode, Extent::All)
+}
+
+/// How much of a file is wanted.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    Image,
+    All,
+}
+
+fn read(path: &Path, decode: Decode, extent: Extent) -> Result<AnnotatedImage, ReadImageError> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(io::Error::other("it is not a file").into());
     }
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or("");
     if extension.eq_ignore_ascii_case("exr") {
-        read_exr(path, most_pixels(metadata.len(), MOST_EXR_PIXELS_PER_BYTE))
-    } else {
-        let limit = most_pixels(metadata.len(), MOST_PIXELS_PER_BYTE);
-        read_other(path, decode, limit)
+        let limit = most_pixels(metadata.len(), MOST_EXR_PIXELS_PER_BYTE);
+        return read_exr(path, limit, extent);
     }
+    let limit = most_pixels(metadata.len(), MOST_PIXELS_PER_BYTE);
+    Ok(AnnotatedImage {
+        image: read_other(path, decode, limit)?,
+        layers: BTreeMap::new(),
+        attributes: BTreeMap::new(),
+    })
 }
 
 /// Most pixels that a file can hold and memory should be spent on.
@@ -89,13 +146,13 @@ fn most_pixels(file_bytes: u64, per_byte: u64) -> usize {
     MOST_PIXELS.min(usize::try_from(possible).unwrap_or(MOST_PIXELS))
 }
 
-fn read_exr(path: &Path, limit: usize) -> Result<Image, ReadImageError> {
+fn read_exr(path: &Path, limit: usize, extent: Extent) -> Result<AnnotatedImage, ReadImageError> {
     let broken = |error: exr::error::Error| ReadImageError::Format(error.to_string());
     let header = MetaData::read_from_file(path, false).map_err(broken)?;
     for layer in &header.headers {
         check_size(layer.layer_size.width(), layer.layer_size.height(), limit)?;
     }
-    let image = exr::prelude::read()
+    let file = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
@@ -103,33 +160,88 @@ fn read_exr(path: &Path, limit: usize) -> Result<Image, ReadImageError> {
         .all_attributes()
         .from_file(path)
         .map_err(broken)?;
-    let layer = &image.layer_data;
+    let layer = &file.layer_data;
     let (width, height) = (layer.size.width(), layer.size.height());
-    let channels = &layer.channel_data.list;
-    let channel = |name: &str| {
-        let found = channels.iter().find(|c| c.name.eq_case_insensitive(name));
+    let channels = Channels {
+        list: &layer.channel_data.list,
+        pixels: width * height,
+    };
+    let mut annotated = AnnotatedImage {
+        image: Image {
+            width,
+            height,
+            pixels: channels.image()?,
+        },
+        layers: BTreeMap::new(),
+        attributes: BTreeMap::new(),
+    };
+    if extent == Extent::All {
+        annotated.layers = channels.layers();
+        let others = layer.attributes.other.iter();
+        let others = others.chain(&file.attributes.other);
+        annotated.attributes = others
+            .filter_map(|(name, value)| Some((name.to_string(), attribute(value)?)))
+            .collect();
+    }
+    Ok(annotated)
+}
+
+/// The channels of an OpenEXR file.
+struct Channels<'a> {
+    list: &'a [AnyChannel<FlatSamples>],
+    /// Width times height.
+    pixels: usize,
+}
+
+impl Channels<'_> {
+    /// R, G and B, or Y.
+    fn image(&self) -> Result<Vec<[f32; 3]>, ReadImageError> {
+        if let Some(rgb) = self.rgb("") {
+            return Ok(rgb);
+        }
+        if let Some(y) = self.channel("Y") {
+            return Ok(y.into_iter().map(|y| [y; 3]).collect());
+        }
+        let names: Vec<String> = self.list.iter().map(|c| c.name.to_string()).collect();
+        Err(ReadImageError::Format(format!(
+            "its channels are {}; needed are R, G and B, or Y",
+            names.join(", ")
+        )))
+    }
+
+    /// All of NAME.R, NAME.G and NAME.B.
+    fn layers(&self) -> BTreeMap<String, Vec<[f32; 3]>> {
+        let names = self.list.iter().map(|channel| channel.name.to_string());
+        let names = names.filter_map(|name| Some(name.strip_suffix(".R")?.to_owned()));
+        names
+            .filter_map(|name| Some((name.clone(), self.rgb(&format!("{name}."))?)))
+            .collect()
+    }
+
+    fn rgb(&self, prefix: &str) -> Option<Vec<[f32; 3]>> {
+        let channel = |letter: &str| self.channel(&format!("{prefix}{letter}"));
+        let rgb = channel("R")?.into_iter().zip(channel("G")?);
+        let rgb = rgb.zip(channel("B")?);
+        Some(rgb.map(|((r, g), b)| [r, g, b]).collect())
+    }
+
+    fn channel(&self, name: &str) -> Option<Vec<f32>> {
+        let found = self.list.iter().find(|c| c.name.eq_case_insensitive(name));
         found
             .filter(|c| c.sampling.width() == 1 && c.sampling.height() == 1)
             .map(|c| samples(&c.sample_data))
-            .filter(|samples| samples.len() == width * height)
-    };
-    let pixels = if let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) {
-        let rgb = r.into_iter().zip(g).zip(b);
-        rgb.map(|((r, g), b)| [r, g, b]).collect()
-    } else if let Some(y) = channel("Y") {
-        y.into_iter().map(|y| [y; 3]).collect()
-    } else {
-        let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-        return Err(ReadImageError::Format(format!(
-            "its channels are {}; needed are R, G and B, or Y",
-            names.join(", ")
-        )));
-    };
-    Ok(Image {
-        width,
-        height,
-        pixels,
-    })
+            .filter(|samples| samples.len() == self.pixels)
+    }
+}
+
+fn attribute(value: &ExrValue) -> Option<AttributeValue> {
+    match value {
+        ExrValue::Text(text) => Some(AttributeValue::Text(text.to_string())),
+        ExrValue::F64(number) => Some(AttributeValue::Number(*number)),
+        ExrValue::F32(number) => Some(AttributeValue::Number(f64::from(*number))),
+        ExrValue::I32(number) => Some(AttributeValue::Number(f64::from(*number))),
+        _ => None,
+    }
 }
 
 fn samples(samples: &FlatSamples) -> Vec<f32> {
