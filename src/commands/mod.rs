@@ -1,6 +1,7 @@
 //! The verbs of the command line: parse, call the library, print.
 
 mod check;
+mod compare;
 mod completions;
 mod interrupt;
 mod output;
@@ -42,6 +43,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Check(check::Args),
+    Compare(compare::Args),
     Replay(replay::Args),
     Completions(completions::Args),
 }
@@ -68,6 +70,7 @@ pub fn run() -> miette::Result<Outcome> {
     match Cli::parse().command {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }

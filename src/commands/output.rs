@@ -1,13 +1,13 @@
 //! The files that a render leaves.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use metrolight::film::{
     AttributeValue, ExrLayer, check_writable, replace_file, write_exr, write_png,
 };
 use metrolight::render::Rendering;
-use miette::{IntoDiagnostic, bail};
+use miette::{IntoDiagnostic, bail, miette};
 use serde_json::Value;
 
 /// Where they go.
@@ -63,6 +63,17 @@ impl Outputs {
         }
         Ok(())
     }
+}
+
+/// Makes a directory, and those above it, unless there is one.
+pub fn make_directory(path: &Path) -> miette::Result<()> {
+    std::fs::create_dir_all(path).map_err(|error| {
+        let cause = match path.exists() && !path.is_dir() {
+            true => "it is a file; the name of a directory is needed".into(),
+            false => error.to_string(),
+        };
+        miette!("cannot make the directory {}: {cause}", path.display())
+    })
 }
 
 /// Every integer up to 2^53 is a double.
