@@ -57,6 +57,9 @@ const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
 /// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
 const MANY_SINGLE: f64 = 0.05;
 
+/// Seconds of work left from which on a log is told of it.
+const WORTH_TELLING: f64 = 2.0;
+
 /// What was found.
 struct Comparison {
     errors: ImageError,
@@ -155,7 +158,10 @@ fn compare(image: &AnnotatedImage, reference: &AnnotatedImage) -> Option<Compari
     let start = std::time::Instant::now();
     let flip = flip(&image.image, &reference.image, &|done| {
         let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
-        progress.progress(done, left.is_finite().then_some(left));
+        progress.progress(
+            done,
+            (left.is_finite() && left > WORTH_TELLING).then_some(left),
+        );
         !progress.interrupted()
     });
     progress.finish();
@@ -332,6 +338,9 @@ impl Comparison {
                  one tile may err alike (p = {:.2}); {place}{power}. Render for longer",
                 test.smallest_p_if_independent, test.smallest_p
             ),
+            BiasVerdict::NoneFound if test.smallest_p == test.smallest_p_if_independent => {
+                format!("none in {all} (p = {:.2}){power}", test.smallest_p)
+            }
             BiasVerdict::NoneFound => format!(
                 "none in {all} (p = {:.2} if pixels are independent, {:.2} if not){power}",
                 test.smallest_p_if_independent, test.smallest_p

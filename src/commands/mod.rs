@@ -10,6 +10,7 @@ mod render;
 mod replay;
 mod report;
 mod source;
+mod strategies;
 mod values;
 
 use std::fmt::Display;
@@ -45,6 +46,7 @@ enum Command {
     Check(check::Args),
     Compare(compare::Args),
     Replay(replay::Args),
+    Strategies(strategies::Args),
     Completions(completions::Args),
 }
 
@@ -72,6 +74,7 @@ pub fn run() -> miette::Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Strategies(args) => strategies::run(args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }
 }

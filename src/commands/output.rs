@@ -54,9 +54,7 @@ impl Outputs {
             .map(|error| ("standard_error", &*error.standard_errors))
             .into_iter()
             .collect();
-        let mut attributes = Vec::new();
-        flatten("metrolight", report, &mut attributes);
-        write_exr(&self.exr, image, &layers, &attributes).into_diagnostic()?;
+        write_exr(&self.exr, image, &layers, &attributes(report)).into_diagnostic()?;
         write_png(&self.png, image).into_diagnostic()?;
         if let Some(path) = &self.stats {
             replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;
@@ -78,6 +76,13 @@ pub fn make_directory(path: &Path) -> miette::Result<()> {
 
 /// Every integer up to 2^53 is a double.
 const EXACT: u64 = 1 << 53;
+
+/// What an image says about how it was made: `report`, with names that begin with `metrolight.`.
+pub fn attributes(report: &Value) -> Vec<(String, AttributeValue)> {
+    let mut attributes = Vec::new();
+    flatten("metrolight", report, &mut attributes);
+    attributes
+}
 
 /// Makes attributes `prefix.key`, `prefix.key.key`, `prefix.0`, ... of a JSON value. Null makes none.
 fn flatten(prefix: &str, value: &Value, attributes: &mut Vec<(String, AttributeValue)>) {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use metrolight::integrators::lost_light;
-use metrolight::render::{Budget, Integrator, Rendering, Settings, render};
+use metrolight::render::{Budget, Integrator, Settings, Statistics, render};
 use miette::{IntoDiagnostic, bail};
 
 use super::output::Outputs;
@@ -63,7 +63,7 @@ pub struct Args {
     seed: u64,
 
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
 
     #[arg(
@@ -171,17 +171,6 @@ fn chains_help() -> String {
     format!("pssmlt: number of Markov chains [default: {default}]")
 }
 
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|&n: &usize| (1..=MOST_THREADS).contains(&n));
-    number.ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
-}
-
-/// More than any machine has; beyond it the operating system refuses.
-const MOST_THREADS: usize = 512;
-
 /// Contributions that were not finite: so many command lines are printed that show one.
 const MOST_REPLAYS: usize = 8;
 
@@ -213,7 +202,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
     print_warnings(&rendering.warnings);
-    print_replays(&args.scene, &settings, &rendering);
+    print_replays(&args.scene, &settings, &rendering.statistics);
     warnings.extend_from_slice(&rendering.warnings);
 
     // Write.
@@ -287,8 +276,8 @@ pub fn opening(opened: &Opened) -> String {
 }
 
 /// Prints command lines that show contributions which were not finite.
-fn print_replays(scene: &SceneArgs, settings: &Settings, rendering: &Rendering) {
-    let origins = &rendering.statistics.non_finite_origins;
+pub fn print_replays(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
+    let origins = &statistics.non_finite_origins;
     for &origin in origins.iter().take(MOST_REPLAYS) {
         let command = replay::command(scene, settings, origin);
         tell(format_args!("not finite: {command}"));
