@@ -1,102 +1,14 @@
 //! The command line as a user meets it: exit codes, files and messages.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use assert_cmd::Command;
+use common::workplace::{Workplace, read};
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
-use tempfile::TempDir;
-
-/// A sphere of glass on a floor below a lamp of radiance `$radiance`.
-const ROOM: &str = r#"<scene version="3.0.0">
-    <default name="radiance" value="3"/>
-    <integrator type="path"><integer name="max_depth" value="6"/></integrator>
-    <sensor type="perspective">
-        <float name="fov" value="45"/>
-        <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
-        <film type="hdrfilm">
-            <integer name="width" value="20"/>
-            <integer name="height" value="15"/>
-            <rfilter type="tent"/>
-        </film>
-    </sensor>
-    <shape type="rectangle">
-        <transform name="to_world"><rotate x="1" angle="-90"/><scale value="3"/></transform>
-    </shape>
-    <shape type="sphere">
-        <point name="center" x="0" y="0.6" z="0"/>
-        <float name="radius" value="0.5"/>
-        <bsdf type="dielectric"/>
-    </shape>
-    <shape type="rectangle">
-        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
-        <emitter type="area"><rgb name="radiance" value="$radiance"/></emitter>
-    </shape>
-</scene>
-"#;
-
-/// Light of radiance `$radiance` from everywhere, and nothing else.
-const SKY: &str = r#"<scene version="3.0.0">
-    <default name="radiance" value="0.25"/>
-    <sensor type="perspective">
-        <film type="hdrfilm">
-            <integer name="width" value="6"/>
-            <integer name="height" value="4"/>
-            <rfilter type="box"/>
-        </film>
-    </sensor>
-    <emitter type="constant"><rgb name="radiance" value="$radiance"/></emitter>
-</scene>
-"#;
-
-/// A directory of its own for each test, with the scenes `room.xml` and `sky.xml`.
-struct Workplace(TempDir);
-
-impl Workplace {
-    fn new() -> Self {
-        let directory = tempfile::tempdir().expect("a directory");
-        fs::write(directory.path().join("room.xml"), ROOM).expect("written");
-        fs::write(directory.path().join("sky.xml"), SKY).expect("written");
-        Self(directory)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// The program with `arguments`, which are separated by spaces.
-    fn run(&self, arguments: &str) -> Command {
-        let mut command = Command::cargo_bin("metrolight").expect("built");
-        command
-            .current_dir(self.0.path())
-            .args(arguments.split(' '));
-        command
-    }
-
-    /// Names of all files, sorted.
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).expect("a directory");
-        let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
-        let mut names: Vec<_> = entries.map(|e| name(e.expect("an entry"))).collect();
-        names.sort();
-        names
-    }
-
-    fn pixels(&self, name: &str) -> Vec<[f32; 3]> {
-        read(&self.path(name)).pixels
-    }
-
-    fn json(&self, name: &str) -> Value {
-        let text = fs::read_to_string(self.path(name)).expect("readable");
-        serde_json::from_str(&text).expect("JSON")
-    }
-}
-
-fn read(path: &Path) -> metrolight::film::Image {
-    metrolight::film::read_image(path, metrolight::film::Decode::Raw).expect("an image")
-}
 
 fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)

@@ -177,12 +177,12 @@ fn compare(image: &AnnotatedImage, reference: &AnnotatedImage) -> Option<Compari
 fn bias_test(image: &AnnotatedImage, reference: &AnnotatedImage) -> Result<BiasTest, String> {
     let [Some(a), Some(b)] = [image, reference].map(|image| estimate(image)) else {
         let without = match [image, reference].map(|image| estimate(image).is_some()) {
-            [false, true] => "the image has",
-            [true, false] => "the reference has",
+            [false, true] => "the image has no",
+            [true, false] => "the reference has no",
             _ => "neither image has",
         };
         return Err(format!(
-            "{without} no standard errors: render with --error to have bias tested"
+            "{without} standard errors: render with --error to have bias tested"
         ));
     };
     Ok(test_bias(&a, &b, image.image.width))
@@ -261,6 +261,7 @@ impl Comparison {
 
     fn text(&self, args: &Args) -> String {
         let e = &self.errors;
+        let pixels = self.flip.errors.len();
         let mut rows = vec![
             ("MSE", format!("{:.4e}", e.mse)),
             ("RMSE", format!("{:.4e}", e.rmse)),
@@ -268,8 +269,8 @@ impl Comparison {
             (
                 "relMSE, trimmed",
                 format!(
-                    "{:.4e}  without the worst 0.1% of the pixels",
-                    e.relative_mse_trimmed
+                    "{:.4e}  without the worst {} of {} pixels",
+                    e.relative_mse_trimmed, e.trimmed_pixels, pixels
                 ),
             ),
             ("MAPE", percent(e.mape)),
@@ -282,11 +283,9 @@ impl Comparison {
             (
                 "FLIP",
                 format!(
-                    "{:.4}  HDR, {} exposures from {:+.1} to {:+.1} stops, {} pixels per degree",
+                    "{:.4}  HDR, {}, {} pixels per degree",
                     self.flip.mean,
-                    self.flip.count,
-                    self.flip.exposures[0],
-                    self.flip.exposures[1],
+                    exposures_text(&self.flip),
                     self.flip.pixels_per_degree,
                 ),
             ),
@@ -401,6 +400,14 @@ impl Comparison {
         }
         let json = format!("{report:#}\n");
         write(&directory.join(FILES[2]), json.as_bytes()).into_diagnostic()
+    }
+}
+
+fn exposures_text(flip: &Flip) -> String {
+    let [start, stop] = flip.exposures;
+    match flip.count {
+        1 => format!("exposure {start:+.1} stops"),
+        n => format!("{n} exposures from {start:+.1} to {stop:+.1} stops"),
     }
 }
 

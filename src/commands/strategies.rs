@@ -223,7 +223,8 @@ fn exposures(args: &Args, edges: u32, found: &Strategies, shares: &Shares) -> Ve
         let images = images.filter(|(images, _)| edges_of(images.technique) == k);
         let sum: f64 = images.map(|(_, mean)| mean[1]).sum();
         if sum > 0.0 {
-            (MIDDLE / sum).log2().round()
+            // 0 added: no number reads -0.
+            (MIDDLE / sum).log2().round() + 0.0
         } else {
             0.0
         }
@@ -307,7 +308,7 @@ fn sheet(
             _ => format!("mean {:.2e}", shares.means[i][0]),
         };
         Cell {
-            label: format!("({s},{t})  {note}"),
+            label: format!("({s},{t}): {note}"),
             picture: Picture {
                 width: image.width,
                 height: image.height,
@@ -319,7 +320,11 @@ fn sheet(
         let images = found.images.iter().enumerate();
         let images = images.filter(|(_, images)| edges_of(images.technique) == k);
         Row {
-            title: format!("{}, exposure {stops:+} stops", edges_text(k)),
+            title: format!(
+                "{}, exposure {stops:+} {}",
+                edges_text(k),
+                stops_text(stops)
+            ),
             cells: images.map(|(i, images)| cell(i, images, stops)).collect(),
         }
     };
@@ -344,6 +349,10 @@ fn edges_text(k: usize) -> String {
     } else {
         format!("{k} edges")
     }
+}
+
+fn stops_text(stops: f64) -> &'static str {
+    if stops.abs() == 1.0 { "stop" } else { "stops" }
 }
 
 fn percent(share: f64) -> String {

@@ -25,7 +25,7 @@ pub struct Flip {
     pub pixels_per_degree: f32,
     /// The darkest and the brightest exposure, in stops.
     pub exposures: [f64; 2],
-    /// Number of exposures, both of these included.
+    /// Number of exposures, both of these included; 1 if they are one.
     pub count: usize,
 }
 
@@ -54,7 +54,10 @@ pub fn flip(
     let exposures = exposures(reference);
     let [start, stop] = exposures;
     // A stop, or nearly, between two exposures, as in the authors' program.
-    let count = ((stop - start).ceil() as usize).max(2);
+    let count = match stop - start {
+        range if range > 0.0 => (range.ceil() as usize).max(2),
+        _ => 1,
+    };
     let mut errors = vec![0.0; reference.pixels.len()];
     // Rounds of as many exposures as there are threads: no more maps are kept at once.
     let threads = rayon::current_num_threads();
@@ -64,7 +67,7 @@ pub fn flip(
         }
         let round = first..count.min(first + threads);
         let maps = round.into_par_iter().map(|i| {
-            let exposure = start + (stop - start) * i as f64 / (count - 1) as f64;
+            let exposure = start + (stop - start) * i as f64 / (count - 1).max(1) as f64;
             let [reference, image] = [reference, image].map(|image| shown(image, exposure));
             nv_flip::flip(reference, image, DEFAULT_PIXELS_PER_DEGREE).to_vec()
         });

@@ -8,6 +8,7 @@ pub mod reference;
 pub mod tiles;
 pub mod truths;
 pub mod words;
+pub mod workplace;
 pub mod worlds;
 
 use std::path::Path;
