@@ -48,7 +48,7 @@ fn weighted_images_add_up_to_the_render_of_the_same_samples() {
     for (path, edges) in [
         (place.path("room.xml"), 6),
         (repository.join("scenes/spheres/scene.xml"), 5),
-        (repository.join("scenes/cornell/scene.xml"), 1),
+        (repository.join("scenes/cornell/scene.xml"), 2),
     ] {
         let scene = small(&path, edges);
         let image = render(&scene, &settings(2), &Unobserved)
@@ -80,8 +80,8 @@ fn images_do_not_depend_on_the_threads() {
     assert_eq!(found(&scene, 1).images, found(&scene, 3).images);
 }
 
-/// What the sheet shows of a room with a glass sphere: direct light alike by three techniques, and the
-/// sphere's caustic by t = 1 and by hits on the lamp alone.
+/// A glass sphere on a floor, by paths of 4 edges: the floor seen through the sphere is found by next
+/// event estimation, the sphere's caustic by t = 1, both by hits on the lamp, and nothing by joins.
 #[test]
 fn techniques_find_what_they_can() {
     let place = Workplace::new();
@@ -90,25 +90,25 @@ fn techniques_find_what_they_can() {
         budget: Budget::SamplesPerPixel(400),
         ..settings(2)
     };
-    let images = strategies(&scene, &settings, &Unobserved)
-        .expect("images")
-        .images;
-    // A pixel of the floor, before the sphere.
+    let found = strategies(&scene, &settings, &Unobserved).expect("images");
     let mean = |s: usize, t: usize| {
         let technique = Technique { s, t };
-        let images = images.iter().find(|images| images.technique == technique);
+        let mut images = found.images.iter();
+        let images = images.find(|images| images.technique == technique);
         let pixels = &images.expect("the technique").unweighted.pixels;
-        let rows = pixels.chunks(37).skip(19);
-        let values: Vec<f32> = rows.flatten().map(|pixel| pixel[0]).collect();
-        values.iter().sum::<f32>() / values.len() as f32
+        pixels.iter().map(|pixel| pixel[1]).sum::<f32>() / pixels.len() as f32
     };
-    let direct = [mean(0, 3), mean(1, 2), mean(2, 1)];
-    for value in direct {
-        assert!((value / direct[1] - 1.0).abs() < 0.05, "{direct:?}");
-    }
-    // Lamp, glass, glass, floor, lens.
-    assert!((mean(4, 1) / mean(0, 5) - 1.0).abs() < 0.3);
-    assert!(mean(4, 1) > 0.0);
+    let [all, seen, caustic] = [mean(0, 5), mean(1, 4), mean(4, 1)];
+    assert!(
+        seen > 0.2 * all && caustic > 0.2 * all,
+        "{seen} {caustic} {all}"
+    );
+    assert!(
+        ((seen + caustic) / all - 1.0).abs() < 0.05,
+        "{seen} {caustic} {all}"
+    );
+    assert_eq!([mean(2, 3), mean(3, 2)], [0.0; 2]);
+    assert!((mean(2, 1) / mean(1, 2) - 1.0).abs() < 0.02);
 }
 
 #[test]
@@ -175,8 +175,8 @@ fn what_cannot_be_shown_is_said() {
             "a smaller image or shorter paths are needed",
         ),
         (
-            "strategies room.xml -o out --size 20000x20000",
-            "19 techniques at 400000000 pixels would take",
+            "strategies room.xml -o out --size 20000x10000",
+            "19 techniques at 200000000 pixels would take",
         ),
         ("strategies none.xml -o out", "none.xml"),
         ("strategies room.xml -o sky.xml", "it is a file"),

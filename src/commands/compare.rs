@@ -1,21 +1,14 @@
 //! `metrolight compare`: how far an image is from a reference, and whether it is biased.
 
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{
-    AnnotatedImage, Decode, Flip, Image, WriteError, check_writable, flip, read_annotated,
-    replace_file,
-};
-use metrolight::plot::{Picture, draw_with_scale, rasterize};
+use metrolight::film::{AnnotatedImage, Decode, Image, check_writable, flip, read_annotated};
 use metrolight::render::Observer;
-use metrolight::statistics::{
-    BiasTest, BiasVerdict, Estimate, ImageError, bias, image_errors, relative_square_errors,
-    test_bias,
-};
+use metrolight::statistics::{BiasTest, Estimate, image_errors, test_bias};
 use miette::{IntoDiagnostic, bail, miette};
-use serde_json::json;
 
+use super::comparison::{Comparison, FILES};
 use super::progress::Progress;
 use super::{Outcome, interrupt, say, tell};
 
@@ -51,23 +44,11 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// The files that are written.
-const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
-
 /// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
 const MANY_SINGLE: f64 = 0.05;
 
 /// Seconds of work left from which on a log is told of it.
 const WORTH_TELLING: f64 = 2.0;
-
-/// What was found.
-struct Comparison {
-    errors: ImageError,
-    flip: Flip,
-    bias: Result<BiasTest, String>,
-    /// What the user should know about the test.
-    notes: Vec<String>,
-}
 
 /// Reads, compares, writes and prints.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
@@ -88,18 +69,18 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         prepare(directory)?;
     }
     interrupt::listen()?;
-    let Some(comparison) = compare(&image, &reference) else {
+    let Some(comparison) = compare(args, &image, &reference) else {
         tell("interrupted: nothing is written");
         return Ok(Outcome::Interrupted);
     };
-    let report = comparison.json(args, &image.image);
+    let report = comparison.json(&image.image);
     if let Some(directory) = &args.output {
         comparison.write(directory, a, b, &report)?;
     }
     if args.json {
         say(format_args!("{report:#}"));
     } else {
-        say(comparison.text(args));
+        say(comparison.text(args.output.as_deref()));
     }
     Ok(Outcome::Done)
 }
@@ -152,7 +133,11 @@ fn prepare(directory: &Path) -> miette::Result<()> {
 }
 
 /// `None` if the user interrupted.
-fn compare(image: &AnnotatedImage, reference: &AnnotatedImage) -> Option<Comparison> {
+fn compare<'a>(
+    args: &'a Args,
+    image: &AnnotatedImage,
+    reference: &AnnotatedImage,
+) -> Option<Comparison<'a>> {
     let progress = Progress::new(false, stderr().is_terminal());
     progress.phase("FLIP");
     let start = std::time::Instant::now();
@@ -166,6 +151,7 @@ fn compare(image: &AnnotatedImage, reference: &AnnotatedImage) -> Option<Compari
     });
     progress.finish();
     Some(Comparison {
+        names: [&args.image, &args.reference],
         errors: image_errors(&image.image.pixels, &reference.image.pixels),
         flip: flip?,
         bias: bias_test(image, reference),
@@ -231,224 +217,4 @@ fn notes(image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec<String> {
         );
     }
     notes
-}
-
-impl Comparison {
-    /// What the user wants to know, in one line.
-    fn verdict(&self, args: &Args) -> String {
-        let brightness = match self.errors.mean_ratio {
-            _ if self.errors.mse == 0.0 => "identical".into(),
-            None => "the reference is black".into(),
-            Some(ratio) if (ratio - 1.0).abs() < 5e-5 => "equally bright".into(),
-            Some(ratio) if ratio > 1.0 => format!("{} brighter", percent(ratio - 1.0)),
-            Some(ratio) => format!("{} darker", percent(1.0 - ratio)),
-        };
-        let bias = match &self.bias {
-            Err(_) => "bias not tested",
-            Ok(test) => match test.verdict {
-                BiasVerdict::Differs => "BIASED: one of them, at least",
-                BiasVerdict::Unclear => "bias unclear",
-                BiasVerdict::NoneFound => "no bias found",
-            },
-        };
-        format!(
-            "{} against {}: relMSE {:.3e}, {brightness}; {bias}",
-            args.image.display(),
-            args.reference.display(),
-            self.errors.relative_mse,
-        )
-    }
-
-    fn text(&self, args: &Args) -> String {
-        let e = &self.errors;
-        let pixels = self.flip.errors.len();
-        let mut rows = vec![
-            ("MSE", format!("{:.4e}", e.mse)),
-            ("RMSE", format!("{:.4e}", e.rmse)),
-            ("relMSE", format!("{:.4e}", e.relative_mse)),
-            (
-                "relMSE, trimmed",
-                format!(
-                    "{:.4e}  without the worst {} of {} pixels",
-                    e.relative_mse_trimmed, e.trimmed_pixels, pixels
-                ),
-            ),
-            ("MAPE", percent(e.mape)),
-            ("SMAPE", percent(e.smape)),
-            (
-                "mean ratio",
-                e.mean_ratio
-                    .map_or("none: the reference is black".into(), |r| format!("{r:.6}")),
-            ),
-            (
-                "FLIP",
-                format!(
-                    "{:.4}  HDR, {}, {} pixels per degree",
-                    self.flip.mean,
-                    exposures_text(&self.flip),
-                    self.flip.pixels_per_degree,
-                ),
-            ),
-            ("bias", self.bias_text()),
-        ];
-        rows.extend(self.notes.iter().map(|note| ("note", note.clone())));
-        if let Some(directory) = &args.output {
-            let files = FILES.map(|name| directory.join(name).display().to_string());
-            rows.push(("wrote", files.join(", ")));
-        }
-        let rows = rows
-            .iter()
-            .map(|(name, value)| format!("  {name:<16} {value}"));
-        let lines: Vec<String> = [self.verdict(args)].into_iter().chain(rows).collect();
-        lines.join("\n")
-    }
-
-    fn bias_text(&self) -> String {
-        let test = match &self.bias {
-            Err(reason) => return format!("not tested: {reason}"),
-            Ok(test) => test,
-        };
-        let side = bias::TILE;
-        let [columns, rows] = &test.worst_tile;
-        let place = format!(
-            "worst in columns {}-{}, rows {}-{}",
-            columns.start,
-            columns.end - 1,
-            rows.start,
-            rows.end - 1
-        );
-        let power = match test.smallest_detectable {
-            Some(size) if size > 0.0 => format!(
-                "; a difference of {} of the mean in a tile would be found",
-                percent(size)
-            ),
-            _ => String::new(),
-        };
-        let all = format!("{} tiles of {side} x {side} pixels", test.tiles);
-        match test.verdict {
-            BiasVerdict::Differs => format!(
-                "{} of {all} differ by more than their errors allow (p = {:.1e}, level {}); {place}",
-                test.differing_tiles,
-                test.smallest_p,
-                bias::LEVEL
-            ),
-            BiasVerdict::Unclear => format!(
-                "{all}: some differ by more than independent pixels would (p = {:.1e}), but pixels of \
-                 one tile may err alike (p = {:.2}); {place}{power}. Render for longer",
-                test.smallest_p_if_independent, test.smallest_p
-            ),
-            BiasVerdict::NoneFound if test.smallest_p == test.smallest_p_if_independent => {
-                format!("none in {all} (p = {:.2}){power}", test.smallest_p)
-            }
-            BiasVerdict::NoneFound => format!(
-                "none in {all} (p = {:.2} if pixels are independent, {:.2} if not){power}",
-                test.smallest_p_if_independent, test.smallest_p
-            ),
-        }
-    }
-
-    fn json(&self, args: &Args, image: &Image) -> serde_json::Value {
-        json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "image": args.image,
-            "reference": args.reference,
-            "size": [image.width, image.height],
-            "verdict": self.verdict(args),
-            "errors": self.errors,
-            "flip": {
-                "mean": self.flip.mean,
-                "pixels_per_degree": self.flip.pixels_per_degree,
-                "exposures": self.flip.count,
-                "start_exposure": self.flip.exposures[0],
-                "stop_exposure": self.flip.exposures[1],
-            },
-            "bias": self.bias.as_ref().ok(),
-            "bias_not_tested": self.bias.as_ref().err(),
-            "notes": self.notes,
-        })
-    }
-
-    fn write(
-        &self,
-        directory: &Path,
-        image: &Image,
-        reference: &Image,
-        report: &serde_json::Value,
-    ) -> miette::Result<()> {
-        let flip: Vec<f64> = self.flip.errors.iter().map(|&e| e.into()).collect();
-        let flip_marks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|v| (v, format!("{v}")));
-        let flip_lines = [
-            "How visible the error of each pixel is",
-            "FLIP for high dynamic range, from 0 to 1",
-        ];
-        let relative = relative_square_errors(&image.pixels, &reference.pixels);
-        let relative: Vec<f64> = relative.into_iter().map(on_scale).collect();
-        let marks = SCALE.map(|(error, label)| (on_scale(error * error), label.into()));
-        let lines = [
-            "Relative error of each pixel",
-            "|x - r| / sqrt(r^2 + 0.01 m^2), r the reference and m its mean; RMS of the channels",
-        ];
-        let maps: [(&str, [&str; 2], &[f64], &[(f64, String)]); 2] = [
-            (FILES[0], lines, &relative, &marks),
-            (FILES[1], flip_lines, &flip, &flip_marks),
-        ];
-        for (name, lines, values, marks) in maps {
-            let picture = Picture::in_false_colors(image.width, values);
-            let svg = draw_with_scale(&lines, &picture, marks).into_diagnostic()?;
-            let png = rasterize(&svg, 1.0).into_diagnostic()?;
-            write(&directory.join(name), &png).into_diagnostic()?;
-        }
-        let json = format!("{report:#}\n");
-        write(&directory.join(FILES[2]), json.as_bytes()).into_diagnostic()
-    }
-}
-
-fn exposures_text(flip: &Flip) -> String {
-    let [start, stop] = flip.exposures;
-    match flip.count {
-        1 => format!("exposure {start:+.1} stops"),
-        n => format!("{n} exposures from {start:+.1} to {stop:+.1} stops"),
-    }
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    replace_file(path, |writer| writer.write_all(bytes))
-}
-
-/// Relative errors that are labelled on the scale of colours; the first is black and all below it, the
-/// last the brightest and all above it.
-const SCALE: [(f64, &str); 4] = [(0.001, "0.1%"), (0.01, "1%"), (0.1, "10%"), (1.0, "100%")];
-
-/// The place of a squared relative error on the logarithmic scale, from 0 to 1.
-fn on_scale(squared: f64) -> f64 {
-    let [(low, _), .., (high, _)] = SCALE;
-    ((0.5 * squared.log10() - f64::log10(low)) / f64::log10(high / low)).clamp(0.0, 1.0)
-}
-
-/// `12.3%`, with three digits.
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    let decimals = match percent.abs() {
-        p if p >= 100.0 => 0,
-        p if p >= 10.0 => 1,
-        p if p >= 1.0 => 2,
-        p if p >= 0.1 => 3,
-        _ => 4,
-    };
-    format!("{percent:.decimals$}%")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{on_scale, percent};
-
-    #[test]
-    fn numbers_are_short_and_colours_keep_to_the_scale() {
-        for (share, expected) in [(0.0, "0.0000%"), (0.0123, "1.23%"), (12.0, "1200%")] {
-            assert_eq!(percent(share), expected);
-        }
-        let close = |squared: f64, place: f64| (on_scale(squared) - place).abs() < 1e-9;
-        assert!(close(1e-6, 0.0) && close(1e-3, 0.5) && close(1.0, 1.0));
-        assert!(close(0.0, 0.0) && close(1e9, 1.0));
-    }
 }
