@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::workplace::{Workplace, read};
+use common::workplace::{ROOM, Workplace, read};
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;

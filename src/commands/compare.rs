@@ -161,7 +161,7 @@ fn compare<'a>(
 
 /// The test for bias, or why there is none.
 fn bias_test(image: &AnnotatedImage, reference: &AnnotatedImage) -> Result<BiasTest, String> {
-    let [Some(a), Some(b)] = [image, reference].map(|image| estimate(image)) else {
+    let [Some(a), Some(b)] = [image, reference].map(estimate) else {
         let without = match [image, reference].map(|image| estimate(image).is_some()) {
             [false, true] => "the image has no",
             [true, false] => "the reference has no",

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use metrolight::film::{Flip, Image, WriteError, replace_file};
-use metrolight::plot::{Picture, draw_with_scale, rasterize};
+use metrolight::plot::{Picture, PlotError, draw_with_scale, rasterize};
 use metrolight::statistics::{BiasTest, BiasVerdict, ImageError, bias, relative_square_errors};
 use miette::IntoDiagnostic;
 use serde_json::json;
@@ -169,32 +169,39 @@ impl Comparison<'_> {
         reference: &Image,
         report: &serde_json::Value,
     ) -> miette::Result<()> {
-        let flip: Vec<f64> = self.flip.errors.iter().map(|&e| e.into()).collect();
-        let flip_marks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|v| (v, format!("{v}")));
-        let flip_lines = [
-            "How visible the error of each pixel is",
-            "FLIP for high dynamic range, from 0 to 1",
+        let maps = [
+            (FILES[0], relative_map(image, reference)),
+            (FILES[1], self.flip_map(image.width)),
         ];
-        let relative = relative_square_errors(&image.pixels, &reference.pixels);
-        let relative: Vec<f64> = relative.into_iter().map(on_scale).collect();
-        let marks = SCALE.map(|(error, label)| (on_scale(error * error), label.into()));
-        let lines = [
-            "Relative error of each pixel",
-            "|x - r| / sqrt(r^2 + 0.01 m^2), r the reference and m its mean; RMS of the channels",
-        ];
-        let maps: [(&str, [&str; 2], &[f64], &[(f64, String)]); 2] = [
-            (FILES[0], lines, &relative, &marks),
-            (FILES[1], flip_lines, &flip, &flip_marks),
-        ];
-        for (name, lines, values, marks) in maps {
-            let picture = Picture::in_false_colors(image.width, values);
-            let svg = draw_with_scale(&lines, &picture, marks).into_diagnostic()?;
-            let png = rasterize(&svg, 1.0).into_diagnostic()?;
+        for (name, svg) in maps {
+            let png = rasterize(&svg.into_diagnostic()?, 1.0).into_diagnostic()?;
             write(&directory.join(name), &png).into_diagnostic()?;
         }
         let json = format!("{report:#}\n");
         write(&directory.join(FILES[2]), json.as_bytes()).into_diagnostic()
     }
+
+    fn flip_map(&self, width: usize) -> Result<String, PlotError> {
+        let lines = [
+            "How visible the error of each pixel is",
+            "FLIP for high dynamic range, from 0 to 1",
+        ];
+        let errors: Vec<f64> = self.flip.errors.iter().map(|&e| e.into()).collect();
+        let marks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|v| (v, format!("{v}")));
+        draw_with_scale(&lines, &Picture::in_false_colors(width, &errors), &marks)
+    }
+}
+
+fn relative_map(image: &Image, reference: &Image) -> Result<String, PlotError> {
+    let lines = [
+        "Relative error of each pixel",
+        "|x - r| / sqrt(r^2 + 0.01 m^2), r the reference and m its mean; RMS of the channels",
+    ];
+    let errors = relative_square_errors(&image.pixels, &reference.pixels);
+    let errors: Vec<f64> = errors.into_iter().map(on_scale).collect();
+    let marks = SCALE.map(|(error, label)| (on_scale(error * error), label.into()));
+    let picture = Picture::in_false_colors(image.width, &errors);
+    draw_with_scale(&lines, &picture, &marks)
 }
 
 fn exposures_text(flip: &Flip) -> String {
