@@ -164,6 +164,11 @@ fn a_directory_of_images_and_two_sheets_are_written() {
 #[test]
 fn what_cannot_be_shown_is_said() {
     let place = Workplace::new();
+    place
+        .run("strategies --help")
+        .assert()
+        .success()
+        .stdout(contains("2 adds direct light [default: 5]"));
     let before = place.files();
     for (arguments, message) in [
         (

@@ -44,6 +44,9 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
+/// The layer of standard errors that `render --error` writes.
+const ERRORS: &str = "standard_error";
+
 /// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
 const MANY_SINGLE: f64 = 0.05;
 
@@ -90,8 +93,8 @@ fn read(path: &Path) -> miette::Result<AnnotatedImage> {
     let annotated = read_annotated(path, Decode::Srgb)
         .map_err(|error| miette!("{}: {error}", path.display()))?;
     check_finite(path, "", annotated.image.width, &annotated.image.pixels)?;
-    for (name, pixels) in &annotated.layers {
-        check_finite(path, &format!("{name}."), annotated.image.width, pixels)?;
+    if let Some(errors) = annotated.layers.get(ERRORS) {
+        check_finite(path, &format!("{ERRORS}."), annotated.image.width, errors)?;
     }
     Ok(annotated)
 }
@@ -155,7 +158,7 @@ fn compare<'a>(
         errors: image_errors(&image.image.pixels, &reference.image.pixels),
         flip: flip?,
         bias: bias_test(image, reference),
-        notes: notes(image, reference),
+        notes: notes(args, image, reference),
     })
 }
 
@@ -180,20 +183,40 @@ fn estimate(image: &AnnotatedImage) -> Option<Estimate<'_>> {
     let parts = image.number("metrolight.error.independent_parts");
     Some(Estimate {
         pixels: &image.image.pixels,
-        standard_errors: image.layers.get("standard_error")?,
+        standard_errors: image.layers.get(ERRORS)?,
         parts: parts.filter(|&n| n >= 2.0).map(|n| n as u64),
         independent_pixels: image.text("metrolight.integrator") == Some("path"),
     })
 }
 
-fn notes(image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec<String> {
+fn notes(args: &Args, image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec<String> {
     let mut notes = Vec::new();
-    let images = [("the image", image), ("the reference", reference)];
+    for path in [&args.image, &args.reference] {
+        let extension = path.extension().unwrap_or_default();
+        if ["png", "jpg", "jpeg"]
+            .iter()
+            .any(|e| extension.eq_ignore_ascii_case(e))
+        {
+            notes.push(format!(
+                "{} holds no light brighter than 1: what the other image has beyond it counts as error",
+                path.display()
+            ));
+        }
+    }
+    if estimate(image).is_some() && estimate(reference).is_some() {
+        notes.extend(notes_on_errors([
+            ("the image", image),
+            ("the reference", reference),
+        ]));
+    }
+    notes
+}
+
+/// What the user should know about standard errors.
+fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
+    let mut notes = Vec::new();
     for (name, image) in images {
-        let Some(estimate) = estimate(image) else {
-            return notes;
-        };
-        if estimate.parts.is_none() {
+        if estimate(image).is_some_and(|estimate| estimate.parts.is_none()) {
             notes.push(format!(
                 "{name} does not say how many independent parts its standard errors come from: they \
                  are taken as exact"

@@ -28,6 +28,7 @@ use super::{Outcome, interrupt, output, report, say, tell, values};
 /// and --spp. Two sheets show them as Veach (1997, figures 10.3 and 10.4) drew his pyramid.
 #[derive(clap::Args)]
 #[command(
+    mut_arg("max_depth", |arg| arg.help(depth_help())),
     allow_negative_numbers = true,
     after_help = "\
 Examples:
@@ -40,7 +41,6 @@ linear images unweighted_sS_tT.exr and weighted_sS_tT.exr.
 Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the images so far are written)"
 )]
 pub struct Args {
-    // The longest path is 5 edges unless --max-depth says otherwise.
     #[command(flatten)]
     scene: SceneArgs,
 
@@ -80,6 +80,10 @@ const EDGES: u32 = 5;
 
 /// Mean luminance that a row's sum has on the sheet, about: a middle grey.
 const MIDDLE: f64 = 0.2;
+
+fn depth_help() -> String {
+    format!("Longest path in edges: 1 shows emitters alone, 2 adds direct light [default: {EDGES}]")
+}
 
 const JSON: &str = "strategies.json";
 
