@@ -158,6 +158,25 @@ mod tests {
         assert!(0.0 < near && near < far && far < 1.0, "{near} {far}");
     }
 
+    /// What the authors' program gives (PyPI flip-evaluator 1.7, evaluate(reference, test, "HDR")), which
+    /// compares in floating point where we have 8 bits. On ramps as smooth as these the steps of 8 bits
+    /// matter more than on renders, where both agree to 0.3%.
+    #[test]
+    fn errors_are_those_of_the_authors() {
+        let reference = ramp(0.1);
+        for (scale, expected) in [(0.11, 0.126_328), (0.2, 0.515_518)] {
+            let flip = flip(&ramp(scale), &reference, &|_| true).unwrap();
+            assert!(
+                (flip.mean / expected - 1.0).abs() < 0.05,
+                "{scale}: {}",
+                flip.mean
+            );
+            let [start, stop] = flip.exposures;
+            assert!((start + 0.182_15).abs() < 1e-3 && (stop - 0.756_85).abs() < 1e-3);
+            assert_eq!(flip.count, 2);
+        }
+    }
+
     /// FLIP's largest errors: full green against full blue is the pair that its colour differences are
     /// normalised by (Andersson et al. 2020, section 4.1), and the error is 1 without any edge.
     #[test]
