@@ -4,10 +4,13 @@
 //! sampler, [`integrators`]) and a driver that decides how the point moves ([`render`]): at random,
 //! or as the state of a Markov chain ([`markov`]). Rooms use only what stands below them:
 //!
-//! `commands` > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
+//! `commands` > [`convergence`], [`diagnosis`] > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
 //! [`film`], [`plot`] > [`statistics`] > [`math`].
 #![deny(missing_docs)]
 
+pub mod convergence;
+pub mod diagnosis;
+mod fault;
 pub mod film;
 pub mod integrators;
 pub mod markov;

@@ -4,6 +4,8 @@ mod check;
 mod compare;
 mod comparison;
 mod completions;
+mod converge;
+mod diagnose;
 mod interrupt;
 mod output;
 mod progress;
@@ -21,6 +23,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::MietteHandlerOpts;
 
+/// Exit code of a diagnosis that finds something wrong.
+pub const REJECTED: u8 = 1;
 /// Exit code for anything wrong with what the user gave; also clap's.
 pub const BAD_INPUT: u8 = 2;
 /// Exit code after Ctrl-C: 128 + SIGINT, as shells have it.
@@ -29,6 +33,7 @@ pub const INTERRUPTED: u8 = 130;
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
+  1    diagnose: the chains are not stationary
   2    bad input: wrong arguments, a scene that cannot be rendered, an output that cannot be written
   130  interrupted by Ctrl-C";
 
@@ -46,6 +51,8 @@ enum Command {
     Render(render::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Converge(converge::Args),
+    Diagnose(diagnose::Args),
     Replay(replay::Args),
     Strategies(strategies::Args),
     Completions(completions::Args),
@@ -55,6 +62,8 @@ enum Command {
 pub enum Outcome {
     /// As asked.
     Done,
+    /// Chains were found not to be stationary.
+    Rejected,
     /// Early, by Ctrl-C.
     Interrupted,
 }
@@ -63,6 +72,7 @@ impl Outcome {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Done => ExitCode::SUCCESS,
+            Self::Rejected => ExitCode::from(REJECTED),
             Self::Interrupted => ExitCode::from(INTERRUPTED),
         }
     }
@@ -74,6 +84,8 @@ pub fn run() -> miette::Result<Outcome> {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Converge(args) => converge::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Strategies(args) => strategies::run(args),
         Command::Completions(args) => Ok(completions::run(&args)),

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use metrolight::film::{
     AttributeValue, ExrLayer, check_writable, replace_file, write_exr, write_png,
 };
-use metrolight::render::Rendering;
+use metrolight::render::{Budget, Rendering};
 use miette::{IntoDiagnostic, bail, miette};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Where they go.
 pub struct Outputs {
@@ -46,21 +46,32 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes all of them; the image carries its error as a layer and `report` as attributes.
+    /// Writes all of them.
     pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
-        let image = &rendering.image;
-        let error = rendering.error.as_ref();
-        let layers: Vec<ExrLayer> = error
-            .map(|error| ("standard_error", &*error.standard_errors))
-            .into_iter()
-            .collect();
-        write_exr(&self.exr, image, &layers, &attributes(report)).into_diagnostic()?;
-        write_png(&self.png, image).into_diagnostic()?;
+        write_rendering(&self.exr, rendering, report)?;
         if let Some(path) = &self.stats {
             replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;
         }
         Ok(())
     }
+}
+
+/// Writes the image to `exr`, with its error as a layer and `report` as attributes, and the preview
+/// beside it.
+pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> miette::Result<()> {
+    let image = &rendering.image;
+    let error = rendering.error.as_ref();
+    let layers: Vec<ExrLayer> = error
+        .map(|error| ("standard_error", &*error.standard_errors))
+        .into_iter()
+        .collect();
+    write_exr(exr, image, &layers, &attributes(report)).into_diagnostic()?;
+    write_png(&exr.with_extension("png"), image).into_diagnostic()
+}
+
+/// Writes a text file.
+pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
+    replace_file(path, |writer| writer.write_all(text.as_bytes())).into_diagnostic()
 }
 
 /// Makes a directory, and those above it, unless there is one.
@@ -72,6 +83,15 @@ pub fn make_directory(path: &Path) -> miette::Result<()> {
         };
         miette!("cannot make the directory {}: {cause}", path.display())
     })
+}
+
+/// A budget as reports have it.
+pub fn budget_json(budget: Budget) -> Value {
+    match budget {
+        Budget::SamplesPerPixel(n) => json!({ "samples_per_pixel": n }),
+        Budget::Seconds(seconds) => json!({ "seconds": seconds }),
+        Budget::Unlimited => json!("unlimited"),
+    }
 }
 
 /// Every integer up to 2^53 is a double.

@@ -77,7 +77,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u64).range(1..=MOST_CHAINS),
+        value_parser = values::chains,
         help = chains_help()
     )]
     chains: Option<u64>,
@@ -173,9 +173,6 @@ fn chains_help() -> String {
 
 /// Contributions that were not finite: so many command lines are printed that show one.
 const MOST_REPLAYS: usize = 8;
-
-/// A chain takes some kilobytes.
-const MOST_CHAINS: u64 = 1 << 20;
 
 /// Loads, renders, writes and sums up.
 pub fn run(args: Args) -> miette::Result<Outcome> {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use metrolight::render::{Budget, MetropolisStatistics, Rendering, Settings, Statistics};
+use metrolight::render::{MetropolisStatistics, Rendering, Settings, Statistics};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::output::Outputs;
+use super::output::{Outputs, budget_json};
 use super::source::{Opened, SceneArgs};
 
 #[derive(Serialize)]
@@ -43,11 +43,7 @@ pub fn json(
             .map(|(name, value)| (&**name, &**value))
             .collect(),
         max_depth: opened.scene.depth.max_depth,
-        budget: match settings.budget {
-            Budget::SamplesPerPixel(n) => json!({ "samples_per_pixel": n }),
-            Budget::Seconds(seconds) => json!({ "seconds": seconds }),
-            Budget::Unlimited => json!("unlimited"),
-        },
+        budget: budget_json(settings.budget),
         load_seconds: opened.load_seconds,
         build_seconds: opened.build_seconds,
         statistics: &rendering.statistics,
@@ -156,6 +152,18 @@ pub fn quantity(number: f64) -> String {
     format!("{scaled:.decimals$}{suffix}")
 }
 
+/// A number to three digits, with an exponent where it would be long: `0.0123`, `4.56e-5`.
+pub fn digits(number: f64) -> String {
+    let magnitude = number.abs().log10().floor();
+    if number == 0.0 {
+        "0".into()
+    } else if (-3.0..4.0).contains(&magnitude) {
+        format!("{number:.*}", (2.0 - magnitude).max(0.0) as usize)
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
 /// A time to read: `1 h 02 min`, `3 min 20 s`, `12.3 s`, `45 ms`.
 pub fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
@@ -169,7 +177,7 @@ pub fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{duration, quantity};
+    use super::{digits, duration, quantity};
 
     #[test]
     fn numbers_and_times_are_short() {
@@ -182,6 +190,16 @@ mod tests {
             (123.4e9, "123 G"),
         ] {
             assert_eq!(quantity(number), expected);
+        }
+        for (number, expected) in [
+            (0.0, "0"),
+            (15.91, "15.9"),
+            (0.001_234, "0.00123"),
+            (-1234.5, "-1234"),
+            (4.567e-5, "4.57e-5"),
+            (98765.0, "9.88e4"),
+        ] {
+            assert_eq!(digits(number), expected);
         }
         for (seconds, expected) in [
             (0.0123, "12 ms"),

@@ -24,18 +24,6 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "width and height in pixels are needed, both at least 1: 640x480".into())
 }
 
-/// More than any machine has; beyond it the operating system refuses.
-const MOST_THREADS: usize = 512;
-
-/// A number of threads.
-pub fn threads(text: &str) -> Result<usize, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|&n: &usize| (1..=MOST_THREADS).contains(&n));
-    number.ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
-}
-
 /// Stops of exposure, each twice as bright as the one before.
 pub fn stops(text: &str) -> Result<f64, String> {
     text.parse()
@@ -53,6 +41,44 @@ pub fn probability(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|p| (0.0..=1.0).contains(p))
         .ok_or_else(|| "a number from 0 to 1 is needed".into())
+}
+
+/// A whole number from 1 on.
+pub fn positive(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|&n: &u64| n > 0)
+        .ok_or_else(|| "a whole number from 1 on is needed".into())
+}
+
+/// A number of Markov chains.
+pub fn chains(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=MOST_CHAINS).contains(n))
+        .ok_or_else(|| format!("a number of chains from 1 to {MOST_CHAINS} is needed"))
+}
+
+/// A chain takes some kilobytes.
+const MOST_CHAINS: u64 = 1 << 20;
+
+/// A number of threads.
+pub fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=MOST_THREADS).contains(n))
+        .ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
+}
+
+/// More than any machine has; beyond it the operating system refuses.
+const MOST_THREADS: usize = 512;
+
+/// A level of significance.
+pub fn level(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|a: &f64| *a > 0.0 && *a < 1.0)
+        .ok_or_else(|| "a number between 0 and 1 is needed, such as 1e-3".into())
 }
 
 /// A relMSE to stop at.
@@ -128,8 +154,8 @@ mod tests {
 
     #[test]
     fn numbers_stay_in_range() {
-        assert_eq!((threads("2"), stops("-1.5")), (Ok(2), Ok(-1.5)));
-        assert!(threads("0").is_err() && stops("nan").is_err() && stops("1e9").is_err());
+        assert_eq!(stops("-1.5"), Ok(-1.5));
+        assert!(stops("nan").is_err() && stops("1e9").is_err());
         assert_eq!(probability("0.3"), Ok(0.3));
         assert_eq!(probability("1"), Ok(1.0));
         assert_eq!(target_error("1e-3"), Ok(1e-3));

@@ -4,6 +4,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::Target;
+use crate::fault::{Fault, planted};
 use crate::math::{FreshCoordinates, seeds};
 use crate::statistics::Moments;
 
@@ -83,7 +84,7 @@ impl Bootstrap {
                 let mut out = G::Contribution::default();
                 let densities = (first..last)
                     .map(|i| {
-                        let rng = seeds::generator(self.seed, seeds::Purpose::Bootstrap, i);
+                        let rng = sample_generator(self.seed, i);
                         target.evaluate(&mut FreshCoordinates::new(rng), &mut out)
                     })
                     .collect();
@@ -96,7 +97,10 @@ impl Bootstrap {
             if !finite {
                 self.non_finite.push(self.moments.count);
             }
-            let density = if finite { density } else { 0.0 };
+            let mut density = if finite { density } else { 0.0 };
+            if planted(Fault::NormalisationOff) {
+                density *= 1.01;
+            }
             self.moments.add(density);
             self.densities.push(density);
         }
@@ -104,7 +108,7 @@ impl Bootstrap {
 
     /// The generator that makes sample `i` again.
     pub fn generator(&self, i: usize) -> rand_xoshiro::Xoshiro256PlusPlus {
-        seeds::generator(self.seed, seeds::Purpose::Bootstrap, i as u64)
+        sample_generator(self.seed, i as u64)
     }
 
     /// Moments of I over the samples of part `i` of `parts`, which are as equal in size as can be.
@@ -120,6 +124,11 @@ impl Bootstrap {
         let mut rng = seeds::generator(self.seed, seeds::Purpose::Resampling, 0);
         systematic_resample(&self.densities, chains, rng.random())
     }
+}
+
+/// The generator that makes sample `i` of a bootstrap under `seed`.
+pub fn sample_generator(seed: u64, i: u64) -> rand_xoshiro::Xoshiro256PlusPlus {
+    seeds::generator(seed, seeds::Purpose::Bootstrap, i)
 }
 
 /// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices, index i

@@ -13,6 +13,7 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{LazyPoint, SmallStep, Target};
+use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, FreshCoordinates, Stream};
 use crate::statistics::Moments;
 
@@ -151,7 +152,10 @@ impl<T: Default> Chain<T> {
         let large = self.point.rng().random::<f32>() < self.large_step_probability;
         self.point.propose(large);
         let density = target.evaluate(&mut self.point, &mut self.proposal.contribution);
-        let acceptance = self.acceptance(density);
+        let mut acceptance = self.acceptance(density);
+        if planted(Fault::ForcedAcceptance) && self.rejection_run >= 8 && density > 0.0 {
+            acceptance = 1.0;
+        }
         self.proposal.density = density;
         self.proposal.weights = Weights {
             chain: acceptance,
@@ -175,7 +179,14 @@ impl<T: Default> Chain<T> {
         if !proposed.is_finite() {
             0.0
         } else if self.current.density > 0.0 {
-            (proposed / self.current.density).min(1.0)
+            let mut ratio = proposed / self.current.density;
+            if planted(Fault::InvertedRatio) {
+                ratio = 1.0 / ratio;
+            }
+            if planted(Fault::UnclippedWeights) {
+                return ratio;
+            }
+            ratio.min(1.0)
         } else {
             1.0
         }

@@ -8,11 +8,13 @@ pub mod bootstrap;
 pub mod chain;
 pub mod mutation;
 pub mod point;
+pub mod weighing;
 
 pub use bootstrap::{Bootstrap, BootstrapLimits, systematic_resample};
 pub use chain::{Chain, ChainCounters, Sample, Weights};
 pub use mutation::SmallStep;
 pub use point::LazyPoint;
+pub use weighing::Weighing;
 
 use crate::math::Coordinates;
 

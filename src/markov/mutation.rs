@@ -2,6 +2,8 @@
 
 use rand::Rng;
 
+use crate::fault::{Fault, planted};
+
 /// A symmetric step on the circle [0, 1): its length is log-uniform between two bounds and its sign
 /// fair (Kelemen et al. 2002, section 3.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +38,11 @@ impl SmallStep {
         // 24 bits for the length, and one far from them for the sign.
         let u = (bits >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
         let length = self.longest * (self.log2_ratio * u).exp2();
-        let moved = if bits & 1 == 0 {
-            value + length
-        } else {
-            value - length
-        };
+        let up = bits & 1 == 0 || (planted(Fault::Asymmetric) && bits & 6 == 0);
+        let moved = if up { value + length } else { value - length };
+        if planted(Fault::Clamped) {
+            return moved.clamp(0.0, 1.0 - f32::EPSILON / 2.0);
+        }
         wrap(moved)
     }
 }

@@ -9,6 +9,7 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::SmallStep;
+use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, Stream};
 
 /// Room for this many coordinates a stream is made at once; it grows to what the longest path needs.
@@ -87,6 +88,9 @@ impl LazyPoint {
     #[inline]
     pub fn reject(&mut self) {
         self.now -= 1;
+        if planted(Fault::NotRestored) {
+            self.undo.clear();
+        }
         for undo in self.undo.drain(..) {
             self.streams[undo.stream as usize][undo.index as usize] = Coordinate {
                 value: undo.value,
@@ -150,7 +154,10 @@ impl LazyPoint {
     /// The coordinate's value in the current state, before the open proposal.
     #[inline]
     fn caught_up(&mut self, coordinate: Coordinate) -> f32 {
-        let steps = self.now - 1 - coordinate.time;
+        let mut steps = self.now - 1 - coordinate.time;
+        if planted(Fault::LazyStepTooFew) {
+            steps = steps.saturating_sub(1);
+        }
         if coordinate.time < self.last_large || steps > STEPS_TO_UNIFORM {
             return self.rng.random();
         }

@@ -3,6 +3,8 @@
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::fault::{Fault, planted};
+
 /// What a stream is for; streams of different purposes share nothing.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
@@ -14,6 +16,8 @@ pub enum Purpose {
     Resampling,
     /// Rays that look for light which no sampler can find.
     Probes,
+    /// Random choices of statistical tests.
+    Tests,
     /// The chains; one stream, from which each chain jumps on.
     Chains,
 }
@@ -33,6 +37,12 @@ pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus 
     Xoshiro256PlusPlus::seed_from_u64(mix(mix(key).wrapping_add(index.wrapping_mul(GOLDEN))))
 }
 
+/// The seed of part `part` of an experiment with `seed`: parts share no random numbers with each other
+/// nor with a render under that seed.
+pub fn part(seed: u64, part: u64) -> u64 {
+    mix(mix(seed).wrapping_add(mix(part.wrapping_add(1))))
+}
+
 /// The generator of one chain, as [`chain_generators`] gives it.
 pub fn chain_generator(seed: u64, chain: u64) -> Xoshiro256PlusPlus {
     let mut generator = generator(seed, Purpose::Chains, 0);
@@ -49,6 +59,11 @@ pub fn chain_generators(seed: u64, chains: usize) -> Vec<Xoshiro256PlusPlus> {
     for _ in 0..chains {
         streams.push(generator.clone());
         generator.jump();
+    }
+    if planted(Fault::SharedNumbers) {
+        for pair in streams.chunks_exact_mut(2) {
+            pair[1] = pair[0].clone();
+        }
     }
     streams
 }

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3A};
 use super::endpoint::Escape;
 use super::mis::Heuristic;
 use super::vertex::{Bounce, Vertex};
+use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, Rgb, Stream};
 use crate::path::dimensions;
 use crate::scene::{DirectSample, EmissionToward, RayCounts, Scene, TransportMode, surface};
@@ -267,9 +268,13 @@ pub fn join(
     let camera = z
         .carried
         .sum(heuristic, from_y, f64::from(at_z.pdf_reverse));
+    let mut weight = weight(light, camera);
+    if planted(Fault::WeightOff) {
+        weight *= 1.05;
+    }
     Some(Connection {
         value,
-        weight: weight(light, camera),
+        weight,
         film: None,
     })
 }

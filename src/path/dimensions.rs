@@ -17,13 +17,13 @@ const PER_CONNECTION: usize = 6;
 
 /// Camera stream: the block of surface vertex z_i, i >= 1.
 #[inline]
-pub fn camera_vertex(i: usize) -> usize {
+pub const fn camera_vertex(i: usize) -> usize {
     4 + (i - 1) * PER_VERTEX
 }
 
 /// Light stream: the block of surface vertex y_i, i >= 1.
 #[inline]
-pub fn light_vertex(i: usize) -> usize {
+pub const fn light_vertex(i: usize) -> usize {
     6 + (i - 1) * PER_VERTEX
 }
 

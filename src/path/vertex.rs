@@ -3,6 +3,7 @@
 use glam::Vec3A;
 
 use super::mis::Carried;
+use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 use crate::scene::{Scattering, Scene, SurfacePoint, TransportMode};
 
@@ -88,7 +89,9 @@ impl Vertex {
     #[inline]
     pub fn shading_over_geometric_cos(&self, shading_cos: f32) -> f32 {
         let geometric_cos = self.surface.geometric_normal.dot(self.to_previous);
-        if geometric_cos == 0.0 {
+        if planted(Fault::AdjointLeftOut) {
+            1.0
+        } else if geometric_cos == 0.0 {
             0.0
         } else {
             (shading_cos / geometric_cos).abs()

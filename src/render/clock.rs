@@ -1,12 +1,15 @@
 //! Budgets: how much is done, how long the rest will take, and when to stop.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use super::{Budget, Observer};
+use super::{Budget, Moment, Observer};
+use crate::film::Image;
 
 /// Watches over one phase of a render whose work is counted in samples.
 pub(super) struct Clock<'a> {
     start: Instant,
+    /// Time since then that did not count.
+    paused: Duration,
     /// Seconds since `start` at which the counted work began.
     began: f64,
     limit: Limit,
@@ -34,6 +37,7 @@ impl<'a> Clock<'a> {
         };
         Self {
             start,
+            paused: Duration::ZERO,
             began: start.elapsed().as_secs_f64(),
             limit,
             noted: 0.0,
@@ -95,9 +99,27 @@ impl<'a> Clock<'a> {
         fraction >= 1.0 || self.observer.interrupted()
     }
 
+    /// Shows the observer the image that `develop` makes, if it wants to look after `samples` samples
+    /// and `rays` rays. Neither making nor looking takes any time of the render.
+    pub fn show(&mut self, samples: u64, rays: u64, develop: impl FnOnce() -> Image) {
+        let moment = Moment {
+            seconds: self.elapsed(),
+            samples,
+            rays,
+        };
+        if self.observer.wants_to_look(&moment) {
+            let pause = Instant::now();
+            self.observer.look(&moment, &develop());
+            self.paused += pause.elapsed();
+        }
+    }
+
     /// Seconds since the start of the render.
     pub fn elapsed(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.start
+            .elapsed()
+            .saturating_sub(self.paused)
+            .as_secs_f64()
     }
 
     /// Second of the render at which the counted work began.

@@ -17,14 +17,14 @@ use rayon::prelude::*;
 
 use super::clock::Clock;
 use super::error::{ErrorEstimate, GroupWork, Groups, Target};
-use super::seat::{LightTarget, Seat, Weighing};
+use super::seat::{LightTarget, Seat, log};
 use super::warnings;
 use super::{
     Budget, MetropolisStatistics, NonFinite, Observer, Origin, Rendering, Settings, Statistics,
 };
 use crate::film::{Image, SplatFilm, SplatLog};
 use crate::integrators::Splats;
-use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
+use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep, Weighing};
 use crate::math::color::to_pixel;
 use crate::math::seeds;
 use crate::scene::{RayCounts, Scene};
@@ -70,7 +70,7 @@ struct Driver<'a> {
     /// There if the error is wanted.
     groups: Option<Groups>,
     seats: Vec<Seat<'a>>,
-    rays: RayCounts,
+    bootstrap_rays: RayCounts,
     done: u64,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Driver<'a> {
             large_film: film,
             groups: None,
             seats: Vec::new(),
-            rays: RayCounts::default(),
+            bootstrap_rays: RayCounts::default(),
             done: 0,
         }
     }
@@ -145,7 +145,7 @@ impl<'a> Driver<'a> {
                 done > 0 && start.elapsed().as_secs_f64() > deadline || observer.interrupted()
             },
         );
-        self.rays += rays.into_inner().unwrap_or_default();
+        self.bootstrap_rays += rays.into_inner().unwrap_or_default();
         bootstrap
     }
 
@@ -198,7 +198,7 @@ impl<'a> Driver<'a> {
                 let steps = total.map_or(turn, |total| turn.min(quota(total, chains, i) - made));
                 for _ in 0..steps {
                     let retired = chain.step(&mut seat.target);
-                    weighing.log(retired, seat);
+                    log(&weighing, retired, seat);
                 }
                 steps
             });
@@ -209,9 +209,17 @@ impl<'a> Driver<'a> {
                     clock.note(target.look(self.done, &estimate));
                 }
             }
+            clock.show(self.done, self.rays().total(), || {
+                self.credit(&weighing);
+                self.develop(self.uniform(bootstrap).mean, weighing.b)
+            });
         }
         self.credit(&weighing);
-        self.rays += self.seats.iter().map(|seat| seat.target.rays()).sum();
+    }
+
+    fn rays(&self) -> RayCounts {
+        let seats = self.seats.iter().map(|seat| seat.target.rays());
+        std::iter::once(self.bootstrap_rays).chain(seats).sum()
     }
 
     /// Credits every chain's state with the weight that it has gathered.
@@ -220,7 +228,7 @@ impl<'a> Driver<'a> {
         for first in (0..self.chains.len()).step_by(block) {
             let chains = first..(first + block).min(self.chains.len());
             self.in_seats(chains, |_, chain, _, seat| {
-                weighing.log(chain.current(), seat);
+                log(weighing, chain.current(), seat);
                 chain.take_weights();
                 0
             });
@@ -319,7 +327,7 @@ impl<'a> Driver<'a> {
             self.settings,
             seconds,
             self.done,
-            self.rays,
+            self.rays(),
             non_finite,
         );
         statistics.metropolis = Some(metropolis);

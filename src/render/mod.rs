@@ -25,6 +25,17 @@ pub use settings::{Budget, Integrator, Settings};
 pub use statistics::{MetropolisStatistics, Statistics, StepStatistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies, techniques};
 
+/// How far a render is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Seconds of rendering so far, without those in which the observer looked at the image.
+    pub seconds: f64,
+    /// Path samples, or mutations.
+    pub samples: u64,
+    /// Closest-hit and shadow rays.
+    pub rays: u64,
+}
+
 /// Who is told how a render goes, and may stop it.
 pub trait Observer: Sync {
     /// A new phase of the work begins.
@@ -33,6 +44,12 @@ pub trait Observer: Sync {
     fn progress(&self, fraction: f64, seconds_left: Option<f64>);
     /// True if the render should finish what it is at and return what it has.
     fn interrupted(&self) -> bool;
+    /// True if [`Self::look`] should be shown the image at this moment.
+    fn wants_to_look(&self, _moment: &Moment) -> bool {
+        false
+    }
+    /// Is shown the image so far, while the clock of the render stands still.
+    fn look(&self, _moment: &Moment, _image: &Image) {}
 }
 
 /// An observer that neither listens nor stops.

@@ -13,7 +13,7 @@ use super::warnings;
 use super::{NonFinite, Observer, Origin, Rendering, Settings, Statistics};
 use crate::film::{Film, Image, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
-use crate::scene::Scene;
+use crate::scene::{RayCounts, Scene};
 
 /// Renders by Monte Carlo.
 pub(super) fn render(scene: &Scene, settings: &Settings, observer: &dyn Observer) -> Rendering {
@@ -83,6 +83,13 @@ impl Collector for Canvas<'_> {
         }
         let logs: Vec<&SplatLog> = runs.iter().map(|(_, run)| &run.elsewhere).collect();
         self.film.apply(&logs);
+    }
+
+    fn end_block(&self, done: u64, rays: RayCounts, clock: &mut Clock) {
+        // Before every pixel has a sample there is no image to speak of.
+        if done >= pixels(self.scene) {
+            clock.show(done, rays.total(), || self.image(done));
+        }
     }
 
     /// Takes note of the pass, if the error is wanted, and perhaps looks at the error.

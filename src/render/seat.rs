@@ -2,7 +2,7 @@
 
 use crate::film::{Splat, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
-use crate::markov::{Sample, Target};
+use crate::markov::{Sample, Target, Weighing};
 use crate::math::Coordinates;
 use crate::math::color::saturated;
 use crate::scene::{RayCounts, Scene};
@@ -60,38 +60,25 @@ impl<'a> Seat<'a> {
     }
 }
 
-/// The denominator of the weights.
-#[derive(Clone, Copy)]
-pub(super) struct Weighing {
-    /// b_0.
-    pub b: f64,
-    /// p.
-    pub large_step_probability: f64,
-}
-
-impl Weighing {
-    /// Logs a sample with the weight that it has gathered.
-    #[inline]
-    pub fn log(&self, sample: &Sample<Splats>, seat: &mut Seat) {
-        if !sample.density.is_finite() || sample.density <= 0.0 {
-            return;
+/// Logs a sample with the weight that it has gathered.
+#[inline]
+pub(super) fn log(weighing: &Weighing, sample: &Sample<Splats>, seat: &mut Seat) {
+    let [chain, large] = weighing.factors(sample).map(|factor| factor as f32);
+    if chain <= 0.0 && large <= 0.0 {
+        return;
+    }
+    for Splat { position, value } in sample.contribution.iter() {
+        if chain > 0.0 {
+            seat.chain_log.push(Splat {
+                position,
+                value: saturated(value * chain),
+            });
         }
-        let per_weight = 1.0 / (sample.density / self.b + self.large_step_probability);
-        let chain = (sample.weights.chain * per_weight) as f32;
-        let large = (sample.weights.large * per_weight) as f32;
-        for Splat { position, value } in sample.contribution.iter() {
-            if chain > 0.0 {
-                seat.chain_log.push(Splat {
-                    position,
-                    value: saturated(value * chain),
-                });
-            }
-            if large > 0.0 {
-                seat.large_log.push(Splat {
-                    position,
-                    value: saturated(value * large),
-                });
-            }
+        if large > 0.0 {
+            seat.large_log.push(Splat {
+                position,
+                value: saturated(value * large),
+            });
         }
     }
 }

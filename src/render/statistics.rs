@@ -111,7 +111,7 @@ impl Statistics {
             samples_per_second: per_second(samples, sampling_seconds),
             closest_hit_rays: rays.closest_hit,
             shadow_rays: rays.shadow,
-            rays_per_second: per_second(rays.closest_hit + rays.shadow, render_seconds),
+            rays_per_second: per_second(rays.total(), render_seconds),
             non_finite: non_finite.count,
             non_finite_origins: non_finite.origins,
             metropolis: None,

@@ -121,6 +121,9 @@ pub(super) trait Collector: Sync {
 
     /// Every pixel has been sampled once more; there are `done` samples in all.
     fn end_pass(&mut self, _done: u64, _clock: &mut Clock) {}
+
+    /// Some more pixels have been sampled; there are `done` samples in all, which took `rays`.
+    fn end_block(&self, _done: u64, _rays: RayCounts, _clock: &mut Clock) {}
 }
 
 /// Which samples a run took: one of each of these pixels.
@@ -168,6 +171,7 @@ impl<'a, R: Default + Send + Sync> Sweep<'a, R> {
             if self.next_run.is_multiple_of(self.raster.runs_per_pass()) {
                 collector.end_pass(self.done, clock);
             }
+            collector.end_block(self.done, self.rays(), clock);
         }
     }
 

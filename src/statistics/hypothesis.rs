@@ -5,6 +5,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::Moments;
+use super::pooling::pool_sparse;
 
 /// Pearson's chi-square test. Null hypothesis: the counts `observed` come from a multinomial with
 /// means `expected` (both of the same length and total). Cells that expect fewer than 5 are pooled,
@@ -12,32 +13,20 @@ use super::Moments;
 /// all is expected gives p = 0; with fewer than two pooled cells there is nothing to test and p = 1.
 pub fn chi_square(observed: &[u64], expected: &[f64]) -> f64 {
     assert_eq!(observed.len(), expected.len(), "one expected mean per cell");
-    let mut cells: Vec<(f64, f64)> = observed
-        .iter()
-        .zip(expected)
-        .map(|(&o, &e)| (o as f64, e))
-        .collect();
-    if cells.iter().any(|&(o, e)| o > 0.0 && e <= 0.0) {
+    let impossible = |(&o, &e): (&u64, &f64)| o > 0 && e <= 0.0;
+    if observed.iter().zip(expected).any(impossible) {
         return 0.0;
     }
-    cells.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut statistic = 0.0;
-    let mut pooled_cells = 0u32;
-    let mut pool = (0.0, 0.0);
-    for (i, &(o, e)) in cells.iter().enumerate() {
-        pool = (pool.0 + o, pool.1 + e);
-        // The remainder must not be left with too small a pool: close one only if the rest suffices.
-        let rest: f64 = cells[i + 1..].iter().map(|c| c.1).take(8).sum();
-        if pool.1 >= 5.0 && (rest >= 5.0 || i + 1 == cells.len()) {
-            statistic += (pool.0 - pool.1).powi(2) / pool.1;
-            pooled_cells += 1;
-            pool = (0.0, 0.0);
-        }
-    }
-    if pooled_cells < 2 {
+    let (pool_of, pools) = pool_sparse(expected, 5.0);
+    if pools < 2 {
         return 1.0;
     }
-    ChiSquared::new(f64::from(pooled_cells - 1)).map_or(1.0, |d| d.sf(statistic))
+    let mut cells = vec![(0.0, 0.0); pools];
+    for ((&pool, &o), &e) in pool_of.iter().zip(observed).zip(expected) {
+        cells[pool] = (cells[pool].0 + o as f64, cells[pool].1 + e);
+    }
+    let statistic: f64 = cells.iter().map(|(o, e)| (o - e).powi(2) / e).sum();
+    ChiSquared::new((pools - 1) as f64).map_or(1.0, |d| d.sf(statistic))
 }
 
 /// Welch's t-test, two-sided. Null hypothesis: both samples have the same mean; variances may

@@ -1,4 +1,4 @@
-//! The program, and a directory for it to work in.
+//! A directory with small scenes, and the program run in it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ pub const SKY: &str = r#"<scene version="3.0.0">
 pub struct Workplace(TempDir);
 
 impl Workplace {
-    #[allow(clippy::new_without_default)] // Each is another.
+    #[allow(clippy::new_without_default)] // It makes a directory.
     pub fn new() -> Self {
         let directory = tempfile::tempdir().expect("a directory");
         fs::write(directory.path().join("room.xml"), ROOM).expect("written");
@@ -61,7 +61,6 @@ impl Workplace {
         Self(directory)
     }
 
-    /// The path of a file in it.
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
@@ -84,19 +83,16 @@ impl Workplace {
         names
     }
 
-    /// Pixels of an image in it.
     pub fn pixels(&self, name: &str) -> Vec<[f32; 3]> {
         read(&self.path(name)).pixels
     }
 
-    /// What a JSON file in it holds.
     pub fn json(&self, name: &str) -> Value {
         let text = fs::read_to_string(self.path(name)).expect("readable");
         serde_json::from_str(&text).expect("JSON")
     }
 }
 
-/// The image at `path`.
 pub fn read(path: &Path) -> metrolight::film::Image {
     metrolight::film::read_image(path, metrolight::film::Decode::Raw).expect("an image")
 }

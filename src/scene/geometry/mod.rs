@@ -31,6 +31,13 @@ pub struct RayCounts {
 /// this, but the distance at which it meets a surface has an error. Relative and in scene units.
 const SHADOW_END: (f32, f32) = (1.0 - 1e-6, 1e-7 * SCENE_RADIUS);
 
+impl RayCounts {
+    /// All rays.
+    pub fn total(&self) -> u64 {
+        self.closest_hit + self.shadow
+    }
+}
+
 impl std::ops::AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.closest_hit += other.closest_hit;

@@ -1,0 +1,191 @@
+//! What an experiment leaves: tables, charts and images.
+
+use std::path::{Path, PathBuf};
+
+use metrolight::convergence::{Cost, Curve, Outcome, Variant, comparison, convergence_chart};
+use metrolight::film::{Image, check_writable, replace_file, write_exr, write_png};
+use metrolight::plot::rasterize;
+use miette::IntoDiagnostic;
+use serde_json::{Value, json};
+
+use super::reference::Reference;
+use crate::commands::output;
+use crate::commands::report::digits;
+
+/// Pixels of the PNG chart per unit of the SVG.
+const PNG_SCALE: f32 = 1.5;
+
+/// A directory for the files of one experiment.
+pub struct Files {
+    directory: PathBuf,
+    /// File names of the variants, without extension.
+    stems: Vec<String>,
+}
+
+impl Files {
+    /// Makes `directory` if it is not there, and fails if nothing could be written into it.
+    pub fn prepare(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
+        output::make_directory(directory)?;
+        let files = Self {
+            directory: directory.into(),
+            stems: variants
+                .iter()
+                .map(|v| v.label.replace([' ', '='], "-"))
+                .collect(),
+        };
+        check_writable(&files.path("convergence.csv")).into_diagnostic()?;
+        Ok(files)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.directory.join(name)
+    }
+
+    /// Where a reference is written that was rendered for the experiment.
+    pub fn reference(&self) -> PathBuf {
+        self.path("reference.exr")
+    }
+
+    /// A line that says what was written where.
+    pub fn wrote(&self) -> String {
+        format!(
+            "wrote convergence.svg, .png, .csv, .json and images to {}",
+            self.directory.display()
+        )
+    }
+
+    /// Writes everything; `settings` go into the JSON file.
+    pub fn write(
+        &self,
+        scene_name: &str,
+        settings: Value,
+        reference: &Reference,
+        variants: &[Variant],
+        curves: &[Curve],
+        outcome: &Outcome,
+    ) -> miette::Result<()> {
+        let table = csv_table(variants, &reference.image, outcome).into_diagnostic()?;
+        self.write_bytes("convergence.csv", &table)?;
+        let svg = convergence_chart(scene_name, variants, curves, reference.relative_mse)
+            .into_diagnostic()?;
+        self.write_bytes("convergence.svg", svg.as_bytes())?;
+        let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
+        self.write_bytes("convergence.png", &png)?;
+        for (stem, image) in self.stems.iter().zip(&outcome.images) {
+            self.write_images(stem, image)?;
+        }
+        let summary = self.summary_json(settings, reference, variants, curves, outcome);
+        self.write_bytes("convergence.json", format!("{summary:#}\n").as_bytes())
+    }
+
+    fn write_bytes(&self, name: &str, bytes: &[u8]) -> miette::Result<()> {
+        use std::io::Write;
+        replace_file(&self.path(name), |writer| writer.write_all(bytes)).into_diagnostic()
+    }
+
+    fn write_images(&self, stem: &str, image: &Image) -> miette::Result<()> {
+        write_exr(&self.path(&format!("{stem}.exr")), image, &[], &[]).into_diagnostic()?;
+        write_png(&self.path(&format!("{stem}.png")), image).into_diagnostic()
+    }
+
+    fn summary_json(
+        &self,
+        settings: Value,
+        reference: &Reference,
+        variants: &[Variant],
+        curves: &[Curve],
+        outcome: &Outcome,
+    ) -> Value {
+        let of = |(i, variant): (usize, &Variant)| {
+            json!({
+                "label": variant.label,
+                "integrator": variant.settings.integrator,
+                "image": self.stems[i],
+                "slope": curves[i].slope(Cost::Seconds),
+                "comparison": comparison(variants, curves, i, Cost::Seconds),
+                "comparison_by_rays": comparison(variants, curves, i, Cost::Rays),
+                "points": curves[i].points,
+            })
+        };
+        json!({
+            "settings": settings,
+            "reference": { "description": reference.description, "relative_mse": reference.relative_mse },
+            "variants": variants.iter().enumerate().map(of).collect::<Vec<_>>(),
+            "interrupted": outcome.interrupted,
+            "warnings": outcome.warnings,
+        })
+    }
+}
+
+const COLUMNS: [&str; 15] = [
+    "label",
+    "integrator",
+    "repeat",
+    "seed",
+    "moment",
+    "seconds",
+    "samples_per_pixel",
+    "rays",
+    "mse",
+    "rmse",
+    "relmse",
+    "relmse_trimmed",
+    "mape",
+    "smape",
+    "mean_ratio",
+];
+
+/// One row for each measurement, under a row of names.
+fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS)?;
+    for m in &outcome.measurements {
+        let Variant { label, settings } = &variants[m.variant];
+        let (moment, error) = (&m.moment, &m.error);
+        let numbers = [
+            moment.seconds,
+            moment.samples as f64 / reference.pixels.len() as f64,
+            moment.rays as f64,
+            error.mse,
+            error.rmse,
+            error.relative_mse,
+            error.relative_mse_trimmed,
+            error.mape,
+            error.smape,
+        ];
+        let texts = [
+            label.clone(),
+            settings.integrator.name().into(),
+            m.repeat.to_string(),
+            settings.seed.wrapping_add(m.repeat).to_string(),
+            m.index.to_string(),
+        ];
+        let ratio = error.mean_ratio.map_or_else(String::new, |r| r.to_string());
+        let numbers = numbers.map(|x| x.to_string());
+        writer.write_record(texts.into_iter().chain(numbers).chain([ratio]))?;
+    }
+    writer
+        .into_inner()
+        .map_err(|error| error.into_error().into())
+}
+
+/// A line for each variant: its last error, and what it takes to be as good as the baseline.
+pub fn summary(variants: &[Variant], curves: &[Curve]) -> String {
+    let width = variants.iter().map(|v| v.label.len()).max().unwrap_or(0);
+    let line = |(i, variant): (usize, &Variant)| {
+        let end = curves[i].end()?;
+        let said = comparison(variants, curves, i, Cost::Seconds);
+        let said = said.map_or_else(String::new, |said| format!("; {said}"));
+        Some(format!(
+            "{:width$}  relMSE {} ({} to {}), without the worst 0.1% {}, after {:.1} s{said}",
+            variant.label,
+            digits(end.relative_mse),
+            digits(end.spread[0]),
+            digits(end.spread[1]),
+            digits(end.relative_mse_trimmed),
+            end.seconds,
+        ))
+    };
+    let lines: Vec<String> = variants.iter().enumerate().filter_map(line).collect();
+    lines.join("\n")
+}

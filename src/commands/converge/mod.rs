@@ -1,0 +1,260 @@
+//! `metrolight converge`: error against time, integrator by integrator.
+
+mod files;
+mod reference;
+mod sweep;
+
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+
+use metrolight::convergence::{Curve, Experiment, Variant};
+use metrolight::render::{Budget, Integrator, Settings};
+use miette::{IntoDiagnostic, bail};
+
+use self::files::Files;
+use self::reference::Effort;
+use self::sweep::Sweep;
+use super::progress::Progress;
+use super::render::{IntegratorName, print_warnings};
+use super::source::{Opened, SceneArgs};
+use super::{Outcome, interrupt, output, say, tell, values};
+
+/// Chart the error of integrators against time
+///
+/// Renders the scene by each integrator several times and measures every image as it grows, against a
+/// reference, with the render's clock stopped. Writes convergence.svg and .png (relMSE against seconds
+/// and against rays: a line for the mean of the repeats, a band from the least to the greatest),
+/// convergence.csv (all measurements), convergence.json, and for each integrator the last image of its
+/// first repeat with a false-colour image of its error.
+#[derive(clap::Args)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  metrolight converge scenes/pool/scene.xml --integrators bdpt,pssmlt --time 60s -o pool-chart
+  metrolight converge scene.xml --reference truth.exr --integrators path,bdpt --spp 256 -o chart
+  metrolight converge scene.xml --integrators pssmlt --time 20s -o chart \\
+      --sweep large-step-probability=0.05,0.1,0.3,0.6
+
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (whole renders so far are charted)"
+)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Integrators to measure; the first is the baseline that the others are compared with
+    #[arg(long, value_name = "NAME,...", required = true, value_delimiter = ',')]
+    integrators: Vec<IntegratorName>,
+
+    /// Time of each render (60s, 2m, 1.5h, or plain seconds) [default: 60s]
+    #[arg(long, value_name = "TIME", value_parser = values::seconds)]
+    time: Option<f64>,
+
+    /// Samples (or mutations) per pixel of each render, instead of --time
+    #[arg(long, value_name = "N", value_parser = values::positive, conflicts_with = "time")]
+    spp: Option<u64>,
+
+    /// Renders of each integrator, with seeds counted up from --seed
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 5)]
+    repeats: u64,
+
+    /// Directory for all that is written; made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    /// The truth: an image of the scene's size [default: rendered first, into reference.exr]
+    #[arg(long, value_name = "REF.exr")]
+    reference: Option<PathBuf>,
+
+    /// Integrator that renders the reference
+    /// [default: pssmlt if it is among --integrators, else bdpt]
+    #[arg(long, value_name = "NAME", conflicts_with = "reference")]
+    reference_integrator: Option<IntegratorName>,
+
+    /// How many times the time (or samples) of one render the reference gets
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = values::positive,
+        conflicts_with = "reference",
+        default_value_t = 10
+    )]
+    reference_effort: u64,
+
+    /// Measure each value of a numeric option: large-step-probability, chains, bootstrap or threads
+    #[arg(long, value_name = "OPTION=V1,V2,...", value_parser = sweep::sweep)]
+    sweep: Option<Sweep>,
+
+    /// Seed of the first repeat
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<usize>,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Time of a render when the user names none, in seconds.
+const DEFAULT_SECONDS: f64 = 60.0;
+
+/// Loads, finds the reference, renders and measures, and writes what came of it.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    let variants = args.variants()?;
+    let files = Files::prepare(&args.output, &variants)?;
+    interrupt::listen()?;
+    let opened = args.scene.open()?;
+    print_warnings(&opened.warnings);
+    let progress = Progress::new(args.quiet, stderr().is_terminal());
+
+    // The truth.
+    let reference = match &args.reference {
+        Some(path) => reference::read(path, &opened.scene)?,
+        None => {
+            let effort = args.reference_effort();
+            let rendered = reference::render(&args.scene, &opened, effort, &files, &progress)?;
+            let Some(reference) = rendered else {
+                tell("interrupted before the reference was done: nothing is measured");
+                return Ok(Outcome::Interrupted);
+            };
+            reference
+        }
+    };
+    if !args.quiet {
+        say(&reference.description);
+    }
+
+    // Measure.
+    let experiment = Experiment {
+        scene: &opened.scene,
+        reference: &reference.image,
+        variants: &variants,
+        repeats: args.repeats,
+    };
+    let outcome = experiment.run(&progress).into_diagnostic()?;
+    progress.finish();
+    print_warnings(&outcome.warnings);
+    if outcome.measurements.is_empty() {
+        tell("interrupted before the first render was done: nothing is charted");
+        return Ok(Outcome::Interrupted);
+    }
+
+    // Write.
+    let curves: Vec<Curve> = (0..variants.len())
+        .map(|i| Curve::new(&outcome.measurements, i))
+        .collect();
+    let settings = args.settings_json(&opened);
+    files.write(
+        &args.scene.name()?,
+        settings,
+        &reference,
+        &variants,
+        &curves,
+        &outcome,
+    )?;
+    print_warnings(reference.doubt(&curves).as_slice());
+    if !args.quiet {
+        say(files::summary(&variants, &curves));
+        say(files.wrote());
+    }
+    if outcome.interrupted {
+        tell("interrupted: the chart holds the renders that were whole by then");
+        return Ok(Outcome::Interrupted);
+    }
+    Ok(Outcome::Done)
+}
+
+impl Args {
+    fn budget(&self) -> Budget {
+        match (self.spp, self.time) {
+            (Some(n), _) => Budget::SamplesPerPixel(n),
+            (None, seconds) => Budget::Seconds(seconds.unwrap_or(DEFAULT_SECONDS)),
+        }
+    }
+
+    /// Every integrator, with every value of the sweep that means something to it.
+    fn variants(&self) -> miette::Result<Vec<Variant>> {
+        let mut variants = Vec::new();
+        for &name in &self.integrators {
+            let integrator = Integrator::from(name);
+            let settings = Settings {
+                budget: self.budget(),
+                seed: self.seed,
+                threads: self.threads,
+                ..Settings::new(integrator)
+            };
+            match &self.sweep {
+                Some(sweep) if sweep.means_something_to(integrator) => {
+                    let swept = sweep.apply(&settings).into_iter();
+                    variants.extend(swept.map(|(value, settings)| Variant {
+                        label: format!("{name} {} {value}", sweep.name()),
+                        settings,
+                    }));
+                }
+                _ => variants.push(Variant {
+                    label: name.to_string(),
+                    settings,
+                }),
+            }
+        }
+        if let Some(sweep) = &self.sweep
+            && !self
+                .integrators
+                .iter()
+                .any(|&name| sweep.means_something_to(name.into()))
+        {
+            bail!(
+                "--sweep: {} means nothing to any of the integrators",
+                sweep.name()
+            );
+        }
+        for (i, variant) in variants.iter().enumerate() {
+            if variants[..i]
+                .iter()
+                .any(|other| other.label == variant.label)
+            {
+                bail!("{} is named twice", variant.label);
+            }
+        }
+        Ok(variants)
+    }
+
+    fn reference_effort(&self) -> Effort {
+        let metropolis = |&name: &IntegratorName| Integrator::from(name).is_metropolis();
+        let integrator = match self.reference_integrator {
+            Some(name) => name.into(),
+            None if self.integrators.iter().any(metropolis) => Integrator::Pssmlt,
+            None => Integrator::Bdpt,
+        };
+        Effort {
+            integrator,
+            budget: match self.budget() {
+                Budget::SamplesPerPixel(n) => {
+                    Budget::SamplesPerPixel(n.saturating_mul(self.reference_effort))
+                }
+                Budget::Seconds(seconds) => Budget::Seconds(seconds * self.reference_effort as f64),
+                Budget::Unlimited => Budget::Unlimited,
+            },
+            // Not a seed that a repeat has, or its image would be part of the truth.
+            seed: !self.seed,
+            threads: self.threads,
+        }
+    }
+
+    fn settings_json(&self, opened: &Opened) -> serde_json::Value {
+        let film = &opened.scene.film;
+        serde_json::json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": self.scene.path,
+            "size": [film.width, film.height],
+            "max_depth": opened.scene.depth.max_depth,
+            "budget": output::budget_json(self.budget()),
+            "repeats": self.repeats,
+            "seed": self.seed,
+            "threads": self.threads.unwrap_or_else(rayon::current_num_threads),
+        })
+    }
+}

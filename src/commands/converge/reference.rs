@@ -1,0 +1,145 @@
+//! The truth that images are measured against, as far as it is known.
+
+use std::path::Path;
+
+use metrolight::convergence::Curve;
+use metrolight::film::{Decode, Image, read_annotated};
+use metrolight::render::{self, Budget, Integrator, Settings};
+use metrolight::scene::Scene;
+use metrolight::statistics::expected_relative_mse;
+use miette::{IntoDiagnostic, WrapErr, bail};
+
+use super::Progress;
+use super::files::Files;
+use crate::commands::report::{digits, duration, json};
+use crate::commands::source::{Opened, SceneArgs};
+use crate::commands::{output, render::print_warnings};
+
+/// A reference, and how far it can be trusted.
+pub struct Reference {
+    pub image: Image,
+    /// Its own expected relMSE, if it is known.
+    pub relative_mse: Option<f64>,
+    /// Where it comes from, for people.
+    pub description: String,
+}
+
+/// A reference with an error of more than this part of the smallest one measured shows in the chart.
+const SHOWS: f64 = 0.1;
+
+/// Reads the reference that the user has.
+pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
+    let annotated = read_annotated(path, Decode::Srgb)
+        .into_diagnostic()
+        .wrap_err_with(|| path.display().to_string())?;
+    let image = annotated.image;
+    let [width, height] = [scene.film.width as usize, scene.film.height as usize];
+    if (image.width, image.height) != (width, height) {
+        bail!(
+            "{}: {} x {} pixels, but the scene has {width} x {height}: give --size {}x{}",
+            path.display(),
+            image.width,
+            image.height,
+            image.width,
+            image.height
+        );
+    }
+    if let Some(i) = image
+        .pixels
+        .iter()
+        .position(|p| !p.iter().all(|v| v.is_finite()))
+    {
+        bail!(
+            "{}: pixel ({}, {}) is not finite: the reference must be, everywhere",
+            path.display(),
+            i % width,
+            i / width
+        );
+    }
+    let errors = annotated.layers.get("standard_error");
+    let relative_mse = errors.map(|errors| expected_relative_mse(&image.pixels, errors));
+    Ok(Reference {
+        description: format!("reference: {}; {}", path.display(), trust(relative_mse)),
+        image,
+        relative_mse,
+    })
+}
+
+/// How the reference is rendered.
+pub struct Effort {
+    pub integrator: Integrator,
+    pub budget: Budget,
+    pub seed: u64,
+    pub threads: Option<usize>,
+}
+
+/// Renders a reference and writes it; `None` if the user stopped it.
+pub fn render(
+    args: &SceneArgs,
+    opened: &Opened,
+    effort: Effort,
+    files: &Files,
+    progress: &Progress,
+) -> miette::Result<Option<Reference>> {
+    let settings = Settings {
+        budget: effort.budget,
+        seed: effort.seed,
+        threads: effort.threads,
+        error: true,
+        ..Settings::new(effort.integrator)
+    };
+    let rendering = render::render(&opened.scene, &settings, progress).into_diagnostic()?;
+    progress.finish();
+    if rendering.interrupted {
+        return Ok(None);
+    }
+    let warnings: Vec<String> = rendering
+        .warnings
+        .iter()
+        .map(|warning| format!("reference: {warning}"))
+        .collect();
+    print_warnings(&warnings);
+    let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
+    output::write_rendering(&files.reference(), &rendering, &report)?;
+    let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
+    let spent = match effort.budget {
+        Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),
+        Budget::Seconds(_) | Budget::Unlimited => duration(rendering.statistics.render_seconds),
+    };
+    let name = effort.integrator.name();
+    let description = format!("reference: {name}, {spent}; {}", trust(relative_mse));
+    Ok(Some(Reference {
+        image: rendering.image,
+        relative_mse,
+        description,
+    }))
+}
+
+fn trust(relative_mse: Option<f64>) -> String {
+    match relative_mse {
+        Some(error) => format!(
+            "its own relMSE is about {}, as the spread of its samples tells",
+            digits(error)
+        ),
+        None => "its own error is not known".into(),
+    }
+}
+
+impl Reference {
+    /// Tells that the chart shows the reference's error as well.
+    pub fn doubt(&self, curves: &[Curve]) -> Option<String> {
+        let own = self.relative_mse?;
+        let ends = curves
+            .iter()
+            .filter_map(|curve| Some(curve.end()?.relative_mse));
+        let least = ends.fold(f64::INFINITY, f64::min);
+        (own > SHOWS * least).then(|| {
+            format!(
+                "the reference's own relMSE, about {}, is part of every error measured, and \
+                 {:.0}% of the least: give --reference-effort more",
+                digits(own),
+                100.0 * own / least
+            )
+        })
+    }
+}

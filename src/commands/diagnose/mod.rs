@@ -1,0 +1,196 @@
+//! `metrolight diagnose`: are the chains in equilibrium, and how much are they worth?
+
+mod charts;
+mod text;
+
+use std::io::{IsTerminal, stderr};
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use metrolight::diagnosis::{DiagnoseError, Diagnosis, Effort, SceneLight, diagnose};
+use metrolight::film::check_writable;
+use metrolight::render::Integrator;
+use miette::IntoDiagnostic;
+use serde_json::{Value, json};
+
+use super::output::{make_directory, write_text};
+use super::progress::Progress;
+use super::render::print_warnings;
+use super::source::SceneArgs;
+use super::{Outcome, interrupt, say, tell, values};
+
+/// Test whether Markov chains are in equilibrium, and measure how well they mix
+///
+/// Chains are started exactly in the target distribution; hypothesis tests then ask whether they still
+/// have it after 1, 8, 64 and 512 steps, whether steps are reversible, and whether b and the weights of
+/// samples agree with plain sampling. All p-values are corrected together. Long chains that start as
+/// a render's do tell how well they mix: R-hat, effective sample sizes, autocorrelation, acceptance.
+#[derive(clap::Args)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  metrolight diagnose scenes/cornell/scene.xml
+  metrolight diagnose scenes/pool/scene.xml --alpha 1e-4 --json -o pool-chains
+  metrolight diagnose scene.xml --large-step-probability 0.1
+
+Exit codes: 0 no test rejects, 1 the chains are not stationary, 2 bad input, 130 interrupted"
+)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Method whose chains are tested
+    #[arg(long, default_value_t = ChainIntegrator::Pssmlt, value_enum)]
+    integrator: ChainIntegrator,
+
+    /// Probability of calling correct chains not stationary
+    #[arg(long, value_name = "A", value_parser = values::level, default_value_t = 1e-3)]
+    alpha: f64,
+
+    /// Probability of a large step, from 0 to 1 [default: that of render]
+    #[arg(long, value_name = "P", value_parser = values::probability)]
+    large_step_probability: Option<f32>,
+
+    /// Chains that start in equilibrium, if so many independent starts are found
+    #[arg(long, value_name = "N", value_parser = values::chains, default_value_t = Effort::default().chains as u64)]
+    chains: u64,
+
+    /// Steps of each of the long chains
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = Effort::default().steps)]
+    steps: u64,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<usize>,
+
+    /// Print one JSON object with all tests instead of the text
+    #[arg(long)]
+    json: bool,
+
+    /// Directory for diagnose.json, diagnose.txt and charts (SVG); made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    /// Show no progress
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Integrators that have chains.
+#[derive(Clone, Copy, ValueEnum)]
+enum ChainIntegrator {
+    /// Primary sample space Metropolis over bidirectional path tracing
+    Pssmlt,
+}
+
+impl From<ChainIntegrator> for Integrator {
+    fn from(integrator: ChainIntegrator) -> Self {
+        match integrator {
+            ChainIntegrator::Pssmlt => Self::Pssmlt,
+        }
+    }
+}
+
+/// Files that a diagnosis leaves in its directory.
+const JSON_FILE: &str = "diagnose.json";
+const TEXT_FILE: &str = "diagnose.txt";
+
+/// Loads, diagnoses, prints and writes.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    if let Some(directory) = &args.output {
+        make_directory(directory)?;
+        check_writable(&directory.join(JSON_FILE)).into_diagnostic()?;
+    }
+    interrupt::listen()?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.unwrap_or(0))
+        .build_global()
+        .into_diagnostic()?;
+    let mut opened = args.scene.open()?;
+    print_warnings(&opened.warnings);
+    let effort = args.effort();
+    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    let subject = SceneLight::new(&mut opened.scene, args.threads);
+    let diagnosis = match diagnose(&subject, &effort, &progress) {
+        Err(DiagnoseError::Interrupted) => {
+            progress.finish();
+            tell("interrupted: nothing is written");
+            return Ok(Outcome::Interrupted);
+        }
+        done => done.into_diagnostic()?,
+    };
+    progress.finish();
+
+    let verdict = text::verdict(&diagnosis, args.alpha);
+    let json = args.report(&effort, &diagnosis, &verdict)?;
+    let text = format!("{verdict}\n\n{}", text::tables(&diagnosis, args.alpha));
+    if args.json {
+        say(format_args!("{json:#}"));
+    } else {
+        say(&text);
+    }
+    if let Some(directory) = &args.output {
+        write_all(directory, &json, &text, &diagnosis)?;
+        tell(format_args!(
+            "wrote {JSON_FILE}, {TEXT_FILE} and charts to {}",
+            directory.display()
+        ));
+    }
+    Ok(if diagnosis.rejections(args.alpha).is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::Rejected
+    })
+}
+
+fn write_all(
+    directory: &Path,
+    json: &Value,
+    text: &str,
+    diagnosis: &Diagnosis,
+) -> miette::Result<()> {
+    write_text(&directory.join(JSON_FILE), &format!("{json:#}\n"))?;
+    write_text(&directory.join(TEXT_FILE), &format!("{text}\n"))?;
+    for (name, svg) in charts::all(diagnosis).into_diagnostic()? {
+        write_text(&directory.join(name), &svg)?;
+    }
+    Ok(())
+}
+
+impl Args {
+    fn effort(&self) -> Effort {
+        let default = Effort::default();
+        Effort {
+            seed: self.seed,
+            large_step_probability: self
+                .large_step_probability
+                .unwrap_or(default.large_step_probability),
+            chains: self.chains as usize,
+            steps: self.steps,
+            ..default
+        }
+    }
+
+    fn report(
+        &self,
+        effort: &Effort,
+        diagnosis: &Diagnosis,
+        verdict: &str,
+    ) -> miette::Result<Value> {
+        Ok(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": self.scene.path,
+            "integrator": Integrator::from(self.integrator),
+            "alpha": self.alpha,
+            "effort": serde_json::to_value(effort).into_diagnostic()?,
+            "stationary": diagnosis.rejections(self.alpha).is_empty(),
+            "verdict": verdict,
+            "diagnosis": serde_json::to_value(diagnosis).into_diagnostic()?,
+        }))
+    }
+}

@@ -1,0 +1,204 @@
+//! From measurements to curves: means over repeats, slopes, and who is how much faster.
+
+use super::Measurement;
+
+/// What an error is paid with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Seconds of rendering.
+    Seconds,
+    /// Rays traced.
+    Rays,
+}
+
+/// A moment of all repeats together.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CurvePoint {
+    /// Mean seconds.
+    pub seconds: f64,
+    /// Mean number of rays.
+    pub rays: f64,
+    /// Mean relMSE: its expectation is the quantity that seeds do not change.
+    pub relative_mse: f64,
+    /// Least and greatest relMSE of any repeat.
+    pub spread: [f64; 2],
+    /// Mean relMSE without the worst 0.1% of the pixels.
+    pub relative_mse_trimmed: f64,
+}
+
+impl CurvePoint {
+    /// What has been paid.
+    pub fn cost(&self, cost: Cost) -> f64 {
+        match cost {
+            Cost::Seconds => self.seconds,
+            Cost::Rays => self.rays,
+        }
+    }
+}
+
+/// The error of one variant against its cost.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Curve {
+    /// In the order of cost.
+    pub points: Vec<CurvePoint>,
+}
+
+/// How the time to some error is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reached {
+    /// At this cost, between two measurements.
+    At(f64),
+    /// Before the first measurement, which is at this cost.
+    Before(f64),
+    /// Not until the end; the error is there this many times the one asked for.
+    Never(f64),
+}
+
+impl Curve {
+    /// The curve of variant `variant`, from those moments that all its `repeats` have measured.
+    pub fn new(measurements: &[Measurement], variant: usize) -> Self {
+        let of_variant = || measurements.iter().filter(move |m| m.variant == variant);
+        let repeats = 1 + of_variant().map(|m| m.repeat).max().unwrap_or(0);
+        let moments = 1 + of_variant().map(|m| m.index).max().unwrap_or(0);
+        let point = |index: usize| {
+            let at: Vec<&Measurement> = of_variant().filter(|m| m.index == index).collect();
+            (at.len() as u64 == repeats).then(|| CurvePoint::mean(&at))
+        };
+        Self {
+            points: (0..moments).filter_map(point).collect(),
+        }
+    }
+
+    /// The last point.
+    pub fn end(&self) -> Option<&CurvePoint> {
+        self.points.last()
+    }
+
+    /// Least squares slope of log error over log cost, over the last eighth of the cost: -1 for
+    /// independent samples without bias. `None` if there are fewer than three points.
+    pub fn slope(&self, cost: Cost) -> Option<f64> {
+        let last = self.end()?.cost(cost);
+        let logs: Vec<[f64; 2]> = self
+            .points
+            .iter()
+            .filter(|p| p.cost(cost) >= last / 8.0 && p.relative_mse > 0.0)
+            .map(|p| [p.cost(cost).ln(), p.relative_mse.ln()])
+            .collect();
+        if logs.len() < 3 {
+            return None;
+        }
+        let n = logs.len() as f64;
+        let [x, y] = [0, 1].map(|i| logs.iter().map(|p| p[i]).sum::<f64>() / n);
+        let covariance: f64 = logs.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+        let variance: f64 = logs.iter().map(|p| (p[0] - x).powi(2)).sum();
+        (variance > 0.0).then(|| covariance / variance)
+    }
+
+    /// The cost at which the error is first `error` or less, straight lines between measurements in
+    /// logarithms of both. `None` without measurements.
+    pub fn reaches(&self, error: f64, cost: Cost) -> Option<Reached> {
+        let first = self.points.first()?;
+        if first.relative_mse <= error {
+            return Some(Reached::Before(first.cost(cost)));
+        }
+        let crossing = self
+            .points
+            .windows(2)
+            .find(|pair| pair[1].relative_mse <= error);
+        let Some([a, b]) = crossing else {
+            return Some(Reached::Never(self.end()?.relative_mse / error));
+        };
+        let share = (a.relative_mse / error).ln() / (a.relative_mse / b.relative_mse).ln();
+        let [from, to] = [a, b].map(|p| p.cost(cost));
+        Some(Reached::At(from * (to / from).powf(share)))
+    }
+}
+
+impl CurvePoint {
+    fn mean(at: &[&Measurement]) -> Self {
+        let mean = |value: &dyn Fn(&Measurement) -> f64| {
+            at.iter().map(|m| value(m)).sum::<f64>() / at.len() as f64
+        };
+        let errors = || at.iter().map(|m| m.error.relative_mse);
+        Self {
+            seconds: mean(&|m| m.moment.seconds),
+            rays: mean(&|m| m.moment.rays as f64),
+            relative_mse: mean(&|m| m.error.relative_mse),
+            spread: [
+                errors().fold(f64::INFINITY, f64::min),
+                errors().fold(0.0, f64::max),
+            ],
+            relative_mse_trimmed: mean(&|m| m.error.relative_mse_trimmed),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Moment;
+    use crate::statistics::image_errors;
+
+    /// relMSE against an image of ones is d^2 / 1.01 for a deviation of d.
+    fn measurement(variant: usize, repeat: u64, index: usize, seconds: f64, d: f32) -> Measurement {
+        Measurement {
+            variant,
+            repeat,
+            index,
+            moment: Moment {
+                seconds,
+                samples: 1,
+                rays: (1000.0 * seconds) as u64,
+            },
+            error: image_errors(&[[1.0 + d; 3]], &[[1.0; 3]]),
+        }
+    }
+
+    /// Error 1/seconds, from 1 s to 64 s.
+    fn one_over_time() -> Curve {
+        let at = |i: usize| {
+            let seconds = f64::from(1 << i);
+            measurement(0, 0, i, seconds, (1.01 / seconds).sqrt() as f32)
+        };
+        Curve::new(&(0..7).map(at).collect::<Vec<_>>(), 0)
+    }
+
+    #[test]
+    fn one_over_time_has_slope_minus_one_and_reaches_what_it_should() {
+        let curve = one_over_time();
+        for cost in [Cost::Seconds, Cost::Rays] {
+            let slope = curve.slope(cost).unwrap();
+            assert!((slope + 1.0).abs() < 1e-3, "{slope}");
+        }
+        let Some(Reached::At(seconds)) = curve.reaches(0.1, Cost::Seconds) else {
+            panic!("0.1 is between 1 and 1/64");
+        };
+        assert!((seconds - 10.0).abs() < 0.01, "{seconds}");
+        assert_eq!(
+            curve.reaches(2.0, Cost::Seconds),
+            Some(Reached::Before(1.0))
+        );
+        let Some(Reached::Never(ratio)) = curve.reaches(1.0 / 128.0, Cost::Rays) else {
+            panic!("1/128 is beyond the end");
+        };
+        assert!((ratio - 2.0).abs() < 1e-3);
+        assert_eq!(Curve::default().reaches(1.0, Cost::Rays), None);
+    }
+
+    #[test]
+    fn points_are_means_of_moments_that_all_repeats_have() {
+        let all = [
+            measurement(1, 0, 0, 1.0, 0.5),
+            measurement(1, 0, 1, 2.0, 0.1),
+            measurement(1, 1, 1, 4.0, 0.3),
+            measurement(0, 0, 1, 9.0, 0.9),
+        ];
+        let curve = Curve::new(&all, 1);
+        assert_eq!(curve.points.len(), 1);
+        let point = curve.points[0];
+        assert_eq!((point.seconds, point.rays), (3.0, 3000.0));
+        let [a, b] = [0.01 / 1.01, 0.09 / 1.01];
+        assert!((point.relative_mse - 0.5 * (a + b)).abs() < 1e-6);
+        assert!((point.spread[0] - a).abs() < 1e-6 && (point.spread[1] - b).abs() < 1e-6);
+    }
+}

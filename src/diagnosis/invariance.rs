@@ -1,0 +1,122 @@
+//! Chains that start in the target distribution must still have it after any number of steps.
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::check::{Check, Family};
+use super::history::{History, LOOKS};
+use super::observation::{COORDINATES, Features};
+use crate::statistics::{
+    chi_square_two_sample, kolmogorov_smirnov, kolmogorov_smirnov_randomized, mmd_permutation,
+    spearman, stuart_maxwell,
+};
+
+/// Points of each sample that the maximum mean discrepancy compares.
+const MMD_POINTS: usize = 256;
+
+/// Most permutations: p-values down to 10^-5 can be told.
+const MMD_PERMUTATIONS: u32 = 100_000;
+
+/// Compares `fresh` states, drawn exactly from the target, with those of `histories` after each look,
+/// one state per chain; and those of the same chains before and after. `coordinates` are the names of
+/// the watched coordinates.
+pub fn invariance(
+    fresh: &[Features],
+    histories: &[History],
+    coordinates: [&str; COORDINATES],
+    rng: &mut Xoshiro256PlusPlus,
+) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for (look, steps) in LOOKS.into_iter().enumerate() {
+        let states: Vec<Features> = histories.iter().map(|h| h.states[look]).collect();
+        let mut check = |test: &str, p_value| {
+            let name = format!("{test} after {}", count_steps(steps));
+            checks.push(Check::new(Family::Invariance, name, p_value));
+        };
+        check(
+            "chi-square of tile x technique",
+            chi_square_two_sample(&cells(fresh), &cells(&states)),
+        );
+        check(
+            "Stuart-Maxwell of tile x technique",
+            stuart_maxwell(&changes(histories, look)).p_value,
+        );
+        let compare = |value: &dyn Fn(&Features) -> f64| {
+            [fresh, &states].map(|sample| sample.iter().map(value).collect::<Vec<f64>>())
+        };
+        let [a, b] = compare(&|f| f.log_density);
+        check("Kolmogorov-Smirnov of log I", kolmogorov_smirnov(&a, &b));
+        let [a, b] = compare(&|f| f.length);
+        let p = kolmogorov_smirnov_randomized(&a, &b, rng);
+        check("Kolmogorov-Smirnov of path length", p);
+        for (i, name) in coordinates.iter().enumerate() {
+            let [a, b] = compare(&|f| f.coordinates[i]);
+            let p = kolmogorov_smirnov_randomized(&a, &b, rng);
+            check(&format!("Kolmogorov-Smirnov of {name}"), p);
+        }
+        let [a, b] = points(fresh, &states);
+        let p = mmd_permutation(&a, &b, MMD_PERMUTATIONS, rng);
+        check("maximum mean discrepancy", p);
+    }
+    checks
+}
+
+/// Null hypothesis: two chains side by side have nothing to do with each other. Chains from one start
+/// are left out.
+pub fn independence(histories: &[History]) -> Vec<Check> {
+    let last = LOOKS.len() - 1;
+    let neighbours: Vec<[&Features; 2]> = histories
+        .chunks_exact(2)
+        .filter(|pair| pair[0].sample != pair[1].sample)
+        .map(|pair| [&pair[0].states[last], &pair[1].states[last]])
+        .collect();
+    let check = |name: &str, value: &dyn Fn(&Features) -> f64| {
+        let [a, b] = [0, 1].map(|i| {
+            let values = neighbours.iter().map(|pair| value(pair[i]));
+            values.collect::<Vec<f64>>()
+        });
+        let name = format!("rank correlation of neighbours' {name}");
+        Check::new(Family::Independence, name, spearman(&a, &b))
+    };
+    vec![
+        check("log I", &|f| f.log_density),
+        check("film x", &|f| f.coordinates[0]),
+        check("film y", &|f| f.coordinates[1]),
+    ]
+}
+
+/// `1 step`, `8 steps`.
+pub(super) fn count_steps(steps: u64) -> String {
+    format!("{steps} step{}", if steps == 1 { "" } else { "s" })
+}
+
+fn cells(states: &[Features]) -> Vec<u64> {
+    let mut counts = vec![0; Features::CELLS];
+    states.iter().for_each(|state| counts[state.cell()] += 1);
+    counts
+}
+
+/// Per unit, the cells that its chains have left and entered.
+fn changes(histories: &[History], look: usize) -> Vec<Vec<(usize, f64)>> {
+    let units = histories.chunk_by(|a, b| a.sample == b.sample);
+    let change = |h: &History| [(h.start.cell(), -1.0), (h.states[look].cell(), 1.0)];
+    units
+        .map(|unit| unit.iter().flat_map(change).collect())
+        .collect()
+}
+
+/// Film position, log I and length, on scales of about 1 by the spread of the fresh states.
+fn points(fresh: &[Features], states: &[Features]) -> [Vec<[f64; 4]>; 2] {
+    let scale = |value: &dyn Fn(&Features) -> f64| {
+        let moments: crate::statistics::Moments = fresh.iter().map(value).collect();
+        moments.variance().sqrt().max(1e-9)
+    };
+    let [density, length] = [scale(&|f| f.log_density), scale(&|f| f.length)];
+    [fresh, states].map(|sample| {
+        let stride = sample.len().div_ceil(MMD_POINTS).max(1);
+        let point = |f: &Features| {
+            let [x, y] = [f.coordinates[0], f.coordinates[1]].map(|u| 4.0 * u);
+            [x, y, f.log_density / density, f.length / length]
+        };
+        sample.iter().step_by(stride).map(point).collect()
+    })
+}

@@ -1,0 +1,243 @@
+//! How much the chains are worth: chains that start as those of a render do, and run for long.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::history::History;
+use super::observation::{Features, Subject, TILES};
+use crate::markov::{Bootstrap, Chain, ChainCounters};
+use crate::math::seeds;
+use crate::statistics::{
+    autocorrelation, bulk_ess, geweke_p_value, heidelberger_welch,
+    integrated_autocorrelation_time_of_chains, nested_r_hat, r_hat, tail_ess,
+};
+
+/// Different starts of the long chains.
+const STARTS: usize = 16;
+
+/// Chains from each.
+const PER_START: usize = 4;
+
+/// Chains whose traces are kept for a chart.
+const TRACES: usize = 4;
+
+/// Greatest lag of the autocorrelation that is kept for a chart, as a part of the length of a chain.
+const LAGS: usize = 8;
+
+/// p-value of Geweke's and of Heidelberger and Welch's test below which a chain is counted.
+const ALPHA: f64 = 0.05;
+
+/// What chains are worth.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Quality {
+    /// Long chains, and the steps of each.
+    pub chains: usize,
+    /// See there.
+    pub steps: u64,
+    /// Different starts of these chains.
+    pub starts: usize,
+    /// Seconds that all steps of these chains took.
+    pub seconds: f64,
+    /// For log I, the film position and the length of the path.
+    pub quantities: Vec<Mixing>,
+    /// For each tile: whether the chain is in it. Rows from the top.
+    pub tiles: Vec<TileMixing>,
+    /// Large and small steps: proposed and accepted, of all chains.
+    pub acceptance: [[u64; 2]; 2],
+    /// Longest run of rejections of any chain.
+    pub longest_rejection_run: u64,
+    /// Share of small steps accepted, by the tile of the state before; NaN where none was proposed.
+    #[serde(skip)]
+    pub acceptance_of_tiles: Vec<f64>,
+    /// Different bootstrap samples among as many starts as a render makes, and these.
+    pub distinct_starts: [usize; 2],
+    /// log I of some chains, step by step.
+    #[serde(skip)]
+    pub traces: Vec<Vec<f64>>,
+    /// Mean autocorrelation of log I, from lag 0 on.
+    #[serde(skip)]
+    pub autocorrelation: Vec<f64>,
+}
+
+/// How well chains agree on one quantity.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mixing {
+    /// Of what.
+    pub name: &'static str,
+    /// Rank-normalised split R-hat.
+    pub r_hat: f64,
+    /// Nested R-hat: chains of one start are one group.
+    pub nested_r_hat: f64,
+    /// Effective sample size of all chains, for the centre of the distribution.
+    pub bulk_ess: f64,
+    /// For its tails.
+    pub tail_ess: f64,
+    /// Effective samples per second: bulk ESS over the time of the steps.
+    pub ess_per_second: f64,
+    /// Steps that count as one independent sample.
+    pub autocorrelation_time: f64,
+    /// Share of chains whose beginning differs from their end (Geweke 1992) at 5%.
+    pub geweke_rejects: f64,
+    /// Share of chains that Heidelberger and Welch's test finds stationary at 5%, its first part at
+    /// most left out.
+    pub heidelberger_welch_passes: f64,
+}
+
+/// How well chains agree on how often they are in a tile.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct TileMixing {
+    /// Share of the steps in it.
+    pub share: f64,
+    /// Rank-normalised split R-hat of being in it; NaN if no chain or every chain always is.
+    pub r_hat: f64,
+    /// Effective sample size of all chains.
+    pub ess: f64,
+}
+
+/// Runs long chains that start as a render starts them, `steps` steps each.
+pub fn quality<S: Subject>(
+    subject: &S,
+    bootstrap: &Bootstrap,
+    histories: &[History],
+    steps: u64,
+    seed: u64,
+    large_step_probability: f32,
+) -> Quality {
+    let begin = Instant::now();
+    let starts = bootstrap.starts(STARTS);
+    let generators = seeds::chain_generators(seed, starts.len() * PER_START);
+    let runs: Vec<(Vec<Features>, ChainCounters)> = generators
+        .into_par_iter()
+        .enumerate()
+        .map(|(i, generator)| {
+            let mut target = subject.target();
+            let start = bootstrap.generator(starts[i / PER_START]);
+            let step = subject.small_step();
+            let mut chain =
+                Chain::start(&mut target, start, generator, large_step_probability, step);
+            let states = (0..steps)
+                .map(|_| {
+                    chain.step(&mut target);
+                    Features::of(chain.current())
+                })
+                .collect();
+            (states, chain.counters)
+        })
+        .collect();
+    let seconds = begin.elapsed().as_secs_f64();
+    let mut counters = ChainCounters::default();
+    runs.iter().for_each(|(_, chain)| counters.merge(chain));
+    histories.iter().for_each(|h| counters.merge(&h.counters));
+
+    let traces: Vec<&[Features]> = runs.iter().map(|(states, _)| &**states).collect();
+    let log_densities = values(&traces, &|f| f.log_density);
+    let quantities: [(&str, &dyn Fn(&Features) -> f64); 4] = [
+        ("log I", &|f| f.log_density),
+        ("film x", &|f| f.coordinates[0]),
+        ("film y", &|f| f.coordinates[1]),
+        ("path length", &|f| f.length),
+    ];
+    let mixing = |(name, value): (&'static str, &dyn Fn(&Features) -> f64)| {
+        Mixing::of(name, &values(&traces, value), seconds)
+    };
+    let lag = (steps as usize / LAGS).max(1);
+    Quality {
+        chains: runs.len(),
+        steps,
+        starts: starts.len(),
+        seconds,
+        quantities: quantities.into_iter().map(mixing).collect(),
+        tiles: (0..TILES * TILES)
+            .into_par_iter()
+            .map(|tile| TileMixing::of(tile, &traces))
+            .collect(),
+        acceptance: [counters.large, counters.small],
+        longest_rejection_run: counters.longest_rejection_run,
+        acceptance_of_tiles: acceptance_of_tiles(histories),
+        distinct_starts: distinct(bootstrap),
+        autocorrelation: mean_autocorrelation(&log_densities, lag),
+        traces: log_densities
+            .into_iter()
+            .step_by(PER_START)
+            .take(TRACES)
+            .collect(),
+    }
+}
+
+fn values(traces: &[&[Features]], value: &dyn Fn(&Features) -> f64) -> Vec<Vec<f64>> {
+    traces
+        .iter()
+        .map(|states| states.iter().map(value).collect())
+        .collect()
+}
+
+fn mean_autocorrelation(chains: &[Vec<f64>], lags: usize) -> Vec<f64> {
+    let all: Vec<Vec<f64>> = chains
+        .iter()
+        .map(|chain| autocorrelation(chain, lags))
+        .collect();
+    let mean = |lag: usize| {
+        let known = all
+            .iter()
+            .filter_map(|a| a.get(lag))
+            .filter(|v| v.is_finite());
+        let moments: crate::statistics::Moments = known.copied().collect();
+        moments.mean
+    };
+    (0..=lags).map(mean).collect()
+}
+
+fn acceptance_of_tiles(histories: &[History]) -> Vec<f64> {
+    let rate = |tile: usize| {
+        let counts = histories.iter().map(|h| h.small_steps[tile].map(f64::from));
+        let [proposed, accepted] = counts.fold([0.0; 2], |[p, a], [q, b]| [p + q, a + b]);
+        accepted / proposed
+    };
+    (0..TILES * TILES).map(rate).collect()
+}
+
+/// Starts that a render with the default number of chains makes.
+fn distinct(bootstrap: &Bootstrap) -> [usize; 2] {
+    let mut starts = bootstrap.starts(crate::render::Settings::default().chains as usize);
+    let all = starts.len();
+    starts.sort_unstable();
+    starts.dedup();
+    [starts.len(), all]
+}
+
+impl Mixing {
+    fn of(name: &'static str, chains: &[Vec<f64>], seconds: f64) -> Self {
+        let ess = bulk_ess(chains);
+        let nested: Vec<Vec<Vec<f64>>> = chains.chunks(PER_START).map(<[_]>::to_vec).collect();
+        let share = |holds: &dyn Fn(&[f64]) -> bool| {
+            chains.iter().filter(|chain| holds(chain)).count() as f64 / chains.len() as f64
+        };
+        Self {
+            name,
+            r_hat: r_hat(chains),
+            nested_r_hat: nested_r_hat(&nested),
+            bulk_ess: ess,
+            tail_ess: tail_ess(chains),
+            ess_per_second: ess / seconds,
+            autocorrelation_time: integrated_autocorrelation_time_of_chains(chains),
+            geweke_rejects: share(&|chain| geweke_p_value(chain) < ALPHA),
+            heidelberger_welch_passes: share(&|chain| {
+                heidelberger_welch(chain, ALPHA).discarded.is_some()
+            }),
+        }
+    }
+}
+
+impl TileMixing {
+    fn of(tile: usize, traces: &[&[Features]]) -> Self {
+        let inside = values(traces, &|f| f64::from(u8::from(f.tile == tile)));
+        let steps: usize = inside.iter().map(Vec::len).sum();
+        Self {
+            share: inside.iter().flatten().sum::<f64>() / steps as f64,
+            r_hat: r_hat(&inside),
+            ess: bulk_ess(&inside),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Start-up bias: chains that start from a small bootstrap are not quite in equilibrium.
+//!
+//! A start resampled from n uniform samples has the density of a ratio of two means, whose bias falls
+//! as 1/n (Owen 2013, "Monte Carlo theory, methods and examples", section 9.2). It is seen here in
+//! log I of chains each of which starts from a bootstrap of its own, at once and after some steps.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::observation::{Features, Observation, Subject};
+use crate::markov::bootstrap::sample_generator;
+use crate::markov::{Chain, Target, systematic_resample};
+use crate::math::FreshCoordinates;
+use crate::math::seeds::{self, Purpose};
+use crate::statistics::Moments;
+
+/// Sizes of bootstraps, for one chain each.
+const SIZES: [u64; 4] = [16, 64, 256, 1024];
+
+/// Bootstraps of each size.
+const REPEATS: u64 = 512;
+
+/// Steps after which the bias is looked at.
+const STEPS: [u64; 3] = [0, 8, 64];
+
+/// The bias of log I, in standard deviations of log I in equilibrium.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StartUpBias {
+    /// Bootstrap samples for each chain.
+    pub samples_per_chain: u64,
+    /// Bootstraps that found light, and so a start.
+    pub chains: u64,
+    /// Steps made, bias, and its standard error.
+    pub after: Vec<(u64, f64, f64)>,
+}
+
+/// Measures the bias against `fresh` states, drawn exactly from the target.
+pub fn start_up_bias<S: Subject>(
+    subject: &S,
+    fresh: &[Features],
+    seed: u64,
+    large_step_probability: f32,
+) -> Vec<StartUpBias> {
+    let truth: Moments = fresh.iter().map(|f| f.log_density).collect();
+    let deviation = truth.variance().sqrt();
+    let of_size = |(part, &size): (u64, &u64)| {
+        let seed = seeds::part(seed, part);
+        let paths: Vec<[f64; STEPS.len()]> = (0..REPEATS)
+            .into_par_iter()
+            .filter_map(|chain| log_densities(subject, seed, [chain, size], large_step_probability))
+            .collect();
+        let after = STEPS.into_iter().enumerate().map(|(i, steps)| {
+            let values: Moments = paths.iter().map(|path| path[i]).collect();
+            let error = values.standard_error().hypot(truth.standard_error());
+            (
+                steps,
+                (values.mean - truth.mean) / deviation,
+                error / deviation,
+            )
+        });
+        StartUpBias {
+            samples_per_chain: size,
+            chains: paths.len() as u64,
+            after: after.collect(),
+        }
+    };
+    (0..).zip(&SIZES).map(of_size).collect()
+}
+
+/// log I of one chain after each of [`STEPS`]; `None` if its bootstrap found no light.
+fn log_densities<S: Subject>(
+    subject: &S,
+    seed: u64,
+    [chain, size]: [u64; 2],
+    large_step_probability: f32,
+) -> Option<[f64; STEPS.len()]> {
+    let mut target = subject.target();
+    let mut out = Observation::default();
+    let samples = chain * size..(chain + 1) * size;
+    let densities: Vec<f64> = samples
+        .map(|i| {
+            let point = &mut FreshCoordinates::new(sample_generator(seed, i));
+            let density = target.evaluate(point, &mut out);
+            if density.is_finite() { density } else { 0.0 }
+        })
+        .collect();
+    let mut rng = seeds::generator(seed, Purpose::Tests, chain);
+    let u = rand::RngExt::random(&mut rng);
+    let start = *systematic_resample(&densities, 1, u).first()?;
+    let start = sample_generator(seed, chain * size + start as u64);
+    let step = subject.small_step();
+    let mut chain = Chain::start(&mut target, start, rng, large_step_probability, step);
+    let mut made = 0;
+    Some(STEPS.map(|steps| {
+        for _ in made..steps {
+            chain.step(&mut target);
+        }
+        made = steps;
+        chain.current().density.ln()
+    }))
+}

@@ -1,0 +1,126 @@
+//! Starts that are drawn exactly from the target distribution.
+//!
+//! A uniform sample u becomes the start of m(u) chains, where m is I(u)/c rounded up or down at random
+//! so that its mean is I(u)/c: the starts are then a random number of points whose intensity is
+//! proportional to I everywhere. Where c is a bound of I this is rejection sampling, and every start
+//! is independent of all others. Where no bound is known, c is chosen from a bootstrap so that few
+//! samples exceed it; those that do start several chains, which are one unit in the tests.
+
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::observation::{Features, Observation, Subject};
+use crate::markov::bootstrap::sample_generator;
+use crate::markov::{Bootstrap, Target};
+use crate::math::FreshCoordinates;
+use crate::math::seeds::{self, Purpose};
+
+/// At most this share of the starts may share their place with another one, as far as the bootstrap
+/// can tell.
+const SHARED: f64 = 0.005;
+
+/// Uniform samples that are looked at at once.
+const BATCH: u64 = 1 << 14;
+
+/// Uniform samples that one task looks at.
+const RUN: u64 = 256;
+
+/// A start of a chain.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Index of the uniform sample: chains with one index are one unit.
+    pub sample: u64,
+    /// What is there.
+    pub features: Features,
+}
+
+/// Starts, and how they were found.
+#[derive(Debug, Default)]
+pub struct Starts {
+    /// The seed of the uniform samples.
+    pub seed: u64,
+    /// In the order of their samples.
+    pub starts: Vec<Start>,
+    /// Uniform samples looked at.
+    pub samples: u64,
+}
+
+impl Starts {
+    /// At least `wanted` starts, or as many as there are among `most` samples.
+    pub fn draw<S: Subject>(subject: &S, seed: u64, c: f64, wanted: usize, most: u64) -> Self {
+        let mut drawn = Self {
+            seed,
+            ..Self::default()
+        };
+        while drawn.starts.len() < wanted && drawn.samples < most {
+            let last = most.min(drawn.samples + BATCH);
+            let found: Vec<Vec<Start>> = (drawn.samples..last)
+                .step_by(RUN as usize)
+                .collect::<Vec<u64>>()
+                .into_par_iter()
+                .map(|first| {
+                    let mut target = subject.target();
+                    let mut out = Observation::default();
+                    (first..last.min(first + RUN))
+                        .flat_map(|i| starts_at(&mut target, &mut out, [seed, i], c))
+                        .collect()
+                })
+                .collect();
+            drawn.starts.extend(found.into_iter().flatten());
+            drawn.samples = last;
+        }
+        drawn
+    }
+
+    /// Number of different samples among the starts.
+    pub fn units(&self) -> usize {
+        let mut samples: Vec<u64> = self.starts.iter().map(|start| start.sample).collect();
+        samples.dedup();
+        samples.len()
+    }
+}
+
+/// The starts that uniform sample `i` under `seed` becomes: as a rule none.
+fn starts_at<T: Target<Contribution = Observation>>(
+    target: &mut T,
+    out: &mut Observation,
+    [seed, i]: [u64; 2],
+    c: f64,
+) -> impl Iterator<Item = Start> + use<T> {
+    let density = target.evaluate(&mut FreshCoordinates::new(sample_generator(seed, i)), out);
+    let coin: f64 = seeds::generator(seed, Purpose::Resampling, i).random();
+    let mean = if density.is_finite() {
+        density / c
+    } else {
+        0.0
+    };
+    let copies = mean.floor() + f64::from(u8::from(coin < mean.fract()));
+    let features = Features {
+        log_density: density.ln(),
+        ..out.features
+    };
+    std::iter::repeat_n(
+        Start {
+            sample: i,
+            features,
+        },
+        copies as usize,
+    )
+}
+
+/// The c that makes as many starts as possible while few of them share a place, from the densities of
+/// a bootstrap: the share that do is the mean of (I - c)+ over that of I.
+pub fn spacing(bootstrap: &Bootstrap) -> f64 {
+    let mut densities = bootstrap.densities.clone();
+    densities.sort_by(|a, b| b.total_cmp(a));
+    let total: f64 = densities.iter().sum();
+    let mut above = 0.0;
+    for (i, &density) in densities.iter().enumerate() {
+        // With c at this density the excess is the sum above it less c for each.
+        if above - i as f64 * density > SHARED * total {
+            return densities[i.saturating_sub(1)];
+        }
+        above += density;
+    }
+    densities.first().copied().unwrap_or(0.0)
+}

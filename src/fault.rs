@@ -1,0 +1,61 @@
+//! Faults that can be planted in the chains and the samplers, to see that tests find them. Only unit
+//! tests can plant one; elsewhere [`planted`] is false at compile time and leaves nothing behind.
+
+/// What can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// Small steps are clamped to the unit interval and not wrapped around it.
+    Clamped,
+    /// Small steps go up more often than down.
+    Asymmetric,
+    /// A rejected proposal leaves its coordinates behind.
+    NotRestored,
+    /// A coordinate that was not read catches up one small step too few.
+    LazyStepTooFew,
+    /// Acceptance by I(u)/I(v).
+    InvertedRatio,
+    /// The acceptance probability in the weights may exceed 1.
+    UnclippedWeights,
+    /// A proposal is accepted after so many rejections, whatever it is.
+    ForcedAcceptance,
+    /// The probability of a large step in the weights is not that of the chain.
+    OtherLargeStepProbability,
+    /// Two neighbouring chains share their random numbers.
+    SharedNumbers,
+    /// b of the bootstrap is 1% too large.
+    NormalisationOff,
+    /// The factor of shading normals (Veach 1997, section 5.3.2) is left out of light subpaths.
+    AdjointLeftOut,
+    /// The MIS weight of joined subpaths is 5% too large.
+    WeightOff,
+}
+
+#[cfg(test)]
+thread_local! {
+    static PLANTED: std::cell::Cell<Option<Fault>> = const { std::cell::Cell::new(None) };
+}
+
+/// True if `fault` has been planted in this thread.
+#[cfg(test)]
+#[inline]
+pub(crate) fn planted(fault: Fault) -> bool {
+    PLANTED.get() == Some(fault)
+}
+
+/// False: nothing can be planted outside of unit tests.
+#[cfg(not(test))]
+#[inline(always)]
+pub(crate) const fn planted(_fault: Fault) -> bool {
+    false
+}
+
+/// Runs `work` in threads of its own in which `fault` is planted.
+#[cfg(test)]
+pub(crate) fn with<T: Send>(fault: Option<Fault>, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .start_handler(move |_| PLANTED.set(fault))
+        .build()
+        .expect("a thread");
+    pool.install(work)
+}
