@@ -277,3 +277,40 @@ fn files_get_the_usual_permissions() {
     replace_file(&directory.path().join("ours"), |_| Ok(())).expect("written");
     assert_eq!(mode("ours"), mode("usual"));
 }
+
+/// Layers and attributes come back as they were written; what is no number, text or layer is left out.
+#[test]
+fn layers_and_attributes_are_read_again() {
+    use metrolight::film::{Decode, read_annotated};
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("a.exr");
+    let pixels = |first: f32| -> Vec<[f32; 3]> {
+        (0..6)
+            .map(|i| [0.0, 0.25, 0.5].map(|c| first + i as f32 + c))
+            .collect()
+    };
+    let image = Image {
+        width: 3,
+        height: 2,
+        pixels: pixels(1.0),
+    };
+    let errors = pixels(10.0);
+    let attributes = [
+        ("metrolight.seed".to_owned(), AttributeValue::Number(7.0)),
+        (
+            "metrolight.integrator".to_owned(),
+            AttributeValue::Text("path".into()),
+        ),
+    ];
+    write_exr(&path, &image, &[("standard_error", &errors)], &attributes).expect("written");
+    let read = read_annotated(&path, Decode::Raw).expect("an image");
+    assert_eq!(read.image, image);
+    assert_eq!(read.layers.len(), 1);
+    assert_eq!(read.layers["standard_error"], errors);
+    assert_eq!(read.number("metrolight.seed"), Some(7.0));
+    assert_eq!(read.text("metrolight.integrator"), Some("path"));
+    assert_eq!(
+        (read.number("metrolight.integrator"), read.text("none")),
+        (None, None)
+    );
+}

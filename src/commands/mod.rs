@@ -1,6 +1,8 @@
 //! The verbs of the command line: parse, call the library, print.
 
 mod check;
+mod compare;
+mod comparison;
 mod completions;
 mod converge;
 mod diagnose;
@@ -11,6 +13,7 @@ mod render;
 mod replay;
 mod report;
 mod source;
+mod strategies;
 mod values;
 
 use std::fmt::Display;
@@ -47,9 +50,11 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Check(check::Args),
+    Compare(compare::Args),
     Converge(converge::Args),
     Diagnose(diagnose::Args),
     Replay(replay::Args),
+    Strategies(strategies::Args),
     Completions(completions::Args),
 }
 
@@ -78,9 +83,11 @@ pub fn run() -> miette::Result<Outcome> {
     match Cli::parse().command {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Converge(args) => converge::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Strategies(args) => strategies::run(args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }
 }

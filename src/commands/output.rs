@@ -7,7 +7,7 @@ use metrolight::film::{
     AttributeValue, ExrLayer, check_writable, replace_file, write_exr, write_png,
 };
 use metrolight::render::{Budget, Rendering};
-use miette::{IntoDiagnostic, bail};
+use miette::{IntoDiagnostic, bail, miette};
 use serde_json::{Value, json};
 
 /// Where they go.
@@ -65,9 +65,7 @@ pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> mie
         .map(|error| ("standard_error", &*error.standard_errors))
         .into_iter()
         .collect();
-    let mut attributes = Vec::new();
-    flatten("metrolight", report, &mut attributes);
-    write_exr(exr, image, &layers, &attributes).into_diagnostic()?;
+    write_exr(exr, image, &layers, &attributes(report)).into_diagnostic()?;
     write_png(&exr.with_extension("png"), image).into_diagnostic()
 }
 
@@ -76,10 +74,15 @@ pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
     replace_file(path, |writer| writer.write_all(text.as_bytes())).into_diagnostic()
 }
 
-/// Makes a directory, and those above it, unless it is there.
+/// Makes a directory, and those above it, unless there is one.
 pub fn make_directory(path: &Path) -> miette::Result<()> {
-    std::fs::create_dir_all(path)
-        .map_err(|error| miette::miette!("cannot make the directory {}: {error}", path.display()))
+    std::fs::create_dir_all(path).map_err(|error| {
+        let cause = match path.exists() && !path.is_dir() {
+            true => "it is a file; the name of a directory is needed".into(),
+            false => error.to_string(),
+        };
+        miette!("cannot make the directory {}: {cause}", path.display())
+    })
 }
 
 /// A budget as reports have it.
@@ -93,6 +96,13 @@ pub fn budget_json(budget: Budget) -> Value {
 
 /// Every integer up to 2^53 is a double.
 const EXACT: u64 = 1 << 53;
+
+/// What an image says about how it was made: `report`, with names that begin with `metrolight.`.
+pub fn attributes(report: &Value) -> Vec<(String, AttributeValue)> {
+    let mut attributes = Vec::new();
+    flatten("metrolight", report, &mut attributes);
+    attributes
+}
 
 /// Makes attributes `prefix.key`, `prefix.key.key`, `prefix.0`, ... of a JSON value. Null makes none.
 fn flatten(prefix: &str, value: &Value, attributes: &mut Vec<(String, AttributeValue)>) {

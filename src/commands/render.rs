@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use metrolight::integrators::lost_light;
-use metrolight::render::{Budget, Integrator, Rendering, Settings, render};
+use metrolight::render::{Budget, Integrator, Settings, Statistics, render};
 use miette::{IntoDiagnostic, bail};
 
 use super::output::Outputs;
@@ -199,7 +199,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
     print_warnings(&rendering.warnings);
-    print_replays(&args.scene, &settings, &rendering);
+    print_replays(&args.scene, &settings, &rendering.statistics);
     warnings.extend_from_slice(&rendering.warnings);
 
     // Write.
@@ -273,8 +273,8 @@ pub fn opening(opened: &Opened) -> String {
 }
 
 /// Prints command lines that show contributions which were not finite.
-fn print_replays(scene: &SceneArgs, settings: &Settings, rendering: &Rendering) {
-    let origins = &rendering.statistics.non_finite_origins;
+pub fn print_replays(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
+    let origins = &statistics.non_finite_origins;
     for &origin in origins.iter().take(MOST_REPLAYS) {
         let command = replay::command(scene, settings, origin);
         tell(format_args!("not finite: {command}"));

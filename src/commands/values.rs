@@ -24,6 +24,17 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "width and height in pixels are needed, both at least 1: 640x480".into())
 }
 
+/// Stops of exposure, each twice as bright as the one before.
+pub fn stops(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|stops: &f64| stops.abs() <= MOST_STOPS)
+        .ok_or_else(|| format!("a number of stops from -{MOST_STOPS} to {MOST_STOPS} is needed"))
+}
+
+/// No screen shows the difference beyond.
+const MOST_STOPS: f64 = 60.0;
+
 /// A number from 0 to 1.
 pub fn probability(text: &str) -> Result<f32, String> {
     text.parse()
@@ -143,6 +154,8 @@ mod tests {
 
     #[test]
     fn numbers_stay_in_range() {
+        assert_eq!(stops("-1.5"), Ok(-1.5));
+        assert!(stops("nan").is_err() && stops("1e9").is_err());
         assert_eq!(probability("0.3"), Ok(0.3));
         assert_eq!(probability("1"), Ok(1.0));
         assert_eq!(target_error("1e-3"), Ok(1e-3));

@@ -2,12 +2,16 @@
 
 pub mod chart;
 pub mod colors;
+pub mod contact_sheet;
 pub mod heat_map;
+pub mod picture;
 pub mod raster;
 
 pub use chart::{Axis, Chart, Mark, Scale, Series, draw};
 pub use colors::{false_color, series_color};
+pub use contact_sheet::{Cell, Row, draw_contact_sheet};
 pub use heat_map::{HeatMap, draw_heat_maps};
+pub use picture::{Picture, draw_with_scale};
 pub use raster::rasterize;
 
 /// Why a chart cannot be drawn: as a rule its numbers leave no range for an axis.

@@ -10,6 +10,8 @@ pub mod replay;
 pub mod seat;
 pub mod settings;
 pub mod statistics;
+pub mod strategies;
+mod sweep;
 mod warnings;
 
 use crate::film::Image;
@@ -21,6 +23,7 @@ pub use replay::{Replay, ReplayError};
 pub use seat::LightTarget;
 pub use settings::{Budget, Integrator, Settings};
 pub use statistics::{MetropolisStatistics, Statistics, StepStatistics};
+pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies, techniques};
 
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use super::monte_carlo::pixel_sample;
+use super::sweep::pixel_sample;
 use super::{Origin, Settings};
 use crate::film::FilmSampler;
 use crate::integrators::{Sampler, Splats, Technique, Workspace};

@@ -22,6 +22,8 @@ pub struct ImageError {
     /// The same without the worst 0.1% of the pixels (of each full thousand one): what is left when
     /// single bright dots, fireflies, are forgiven.
     pub relative_mse_trimmed: f64,
+    /// Number of pixels that are left out of it.
+    pub trimmed_pixels: usize,
     /// Mean absolute percentage error, as a fraction: the mean of |x - r| / (|r| + 0.01 m).
     pub mape: f64,
     /// Symmetric mean absolute percentage error, as a fraction from 0 to 1: the mean of
@@ -52,6 +54,7 @@ pub fn image_errors(image: &[[f32; 3]], reference: &[[f32; 3]]) -> ImageError {
         mse,
         rmse: mse.sqrt(),
         relative_mse,
+        trimmed_pixels: relative.len() - kept,
         relative_mse_trimmed: mean(relative[..kept].iter().copied()),
         mape: mean(values().map(|(x, r)| ratio((x - r).abs(), r.abs() + floor))),
         smape: mean(values().map(|(x, r)| ratio((x - r).abs(), x.abs() + r.abs() + floor))),
@@ -170,6 +173,7 @@ mod tests {
         let mut image = [[1.5; 3]; 2500];
         (image[7], image[2000], image[100]) = ([100.0; 3], [1000.0; 3], [2.5; 3]);
         let errors = image_errors(&image, &reference);
+        assert_eq!(errors.trimmed_pixels, 2);
         let expected = (2497.0 * 0.25 + 2.25) / 1.01 / 2498.0;
         assert!((errors.relative_mse_trimmed / expected - 1.0).abs() < 1e-9);
         assert!(errors.relative_mse > 390.0);

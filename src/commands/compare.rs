@@ -1,0 +1,243 @@
+//! `metrolight compare`: how far an image is from a reference, and whether it is biased.
+
+use std::io::{IsTerminal, stderr};
+use std::path::{Path, PathBuf};
+
+use metrolight::film::{AnnotatedImage, Decode, Image, check_writable, flip, read_annotated};
+use metrolight::render::Observer;
+use metrolight::statistics::{BiasTest, Estimate, image_errors, test_bias};
+use miette::{IntoDiagnostic, bail, miette};
+
+use super::comparison::{Comparison, FILES};
+use super::progress::Progress;
+use super::{Outcome, interrupt, say, tell};
+
+/// Compare an image with a reference
+///
+/// Prints what an image differs by in the measures of the field, and how different it looks (FLIP). If
+/// both images carry standard errors (`render --error`), tests whether one of them is biased. Images
+/// are OpenEXR, Radiance HDR, PNG or JPEG, of one size.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  metrolight compare a.exr reference.exr             a table on stdout
+  metrolight compare a.exr reference.exr --json      the same as JSON
+  metrolight compare a.exr reference.exr -o out      and out/error.png, out/flip.png, out/compare.json
+
+Exit codes: 0 compared, however different they are; 2 bad input; 130 interrupted by Ctrl-C")]
+pub struct Args {
+    /// The image to judge
+    #[arg(value_name = "IMAGE")]
+    image: PathBuf,
+
+    /// What it should be
+    #[arg(value_name = "REFERENCE")]
+    reference: PathBuf,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    /// Directory for error.png (relative error per pixel), flip.png (how visible it is) and
+    /// compare.json; made if there is none
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// The layer of standard errors that `render --error` writes.
+const ERRORS: &str = "standard_error";
+
+/// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
+const MANY_SINGLE: f64 = 0.05;
+
+/// Seconds of work left from which on a log is told of it.
+const WORTH_TELLING: f64 = 2.0;
+
+/// Reads, compares, writes and prints.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    let image = read(&args.image)?;
+    let reference = read(&args.reference)?;
+    let size = |image: &Image| format!("{} x {} pixels", image.width, image.height);
+    let [a, b] = [&image.image, &reference.image];
+    if [a.width, a.height] != [b.width, b.height] {
+        bail!(
+            "{} has {}, {} has {}: images of one size are needed",
+            args.image.display(),
+            size(a),
+            args.reference.display(),
+            size(b)
+        );
+    }
+    if let Some(directory) = &args.output {
+        prepare(directory)?;
+    }
+    interrupt::listen()?;
+    let Some(comparison) = compare(args, &image, &reference) else {
+        tell("interrupted: nothing is written");
+        return Ok(Outcome::Interrupted);
+    };
+    let report = comparison.json(&image.image);
+    if let Some(directory) = &args.output {
+        comparison.write(directory, a, b, &report)?;
+    }
+    if args.json {
+        say(format_args!("{report:#}"));
+    } else {
+        say(comparison.text(args.output.as_deref()));
+    }
+    Ok(Outcome::Done)
+}
+
+/// An image whose pixels are all numbers.
+fn read(path: &Path) -> miette::Result<AnnotatedImage> {
+    let annotated = read_annotated(path, Decode::Srgb)
+        .map_err(|error| miette!("{}: {error}", path.display()))?;
+    check_finite(path, "", annotated.image.width, &annotated.image.pixels)?;
+    if let Some(errors) = annotated.layers.get(ERRORS) {
+        check_finite(path, &format!("{ERRORS}."), annotated.image.width, errors)?;
+    }
+    Ok(annotated)
+}
+
+fn check_finite(
+    path: &Path,
+    prefix: &str,
+    width: usize,
+    pixels: &[[f32; 3]],
+) -> miette::Result<()> {
+    let is_finite = |pixel: &[f32; 3]| pixel.iter().all(|v| v.is_finite());
+    let Some(i) = pixels.iter().position(|pixel| !is_finite(pixel)) else {
+        return Ok(());
+    };
+    let channel = pixels[i].iter().position(|v| !v.is_finite()).unwrap_or(0);
+    let count = pixels.iter().filter(|pixel| !is_finite(pixel)).count();
+    let more = match count {
+        1 => String::new(),
+        n => format!(", and so are {} more pixels", n - 1),
+    };
+    bail!(
+        "{}: channel {prefix}{} of the pixel in column {}, row {} (from 0, at the top left) is {}{more}: \
+         only numbers can be compared",
+        path.display(),
+        ["R", "G", "B"][channel],
+        i % width,
+        i / width,
+        pixels[i][channel]
+    )
+}
+
+/// Makes the directory and checks that all files can be written.
+fn prepare(directory: &Path) -> miette::Result<()> {
+    super::output::make_directory(directory)?;
+    for name in FILES {
+        check_writable(&directory.join(name)).into_diagnostic()?;
+    }
+    Ok(())
+}
+
+/// `None` if the user interrupted.
+fn compare<'a>(
+    args: &'a Args,
+    image: &AnnotatedImage,
+    reference: &AnnotatedImage,
+) -> Option<Comparison<'a>> {
+    let progress = Progress::new(false, stderr().is_terminal());
+    progress.phase("FLIP");
+    let start = std::time::Instant::now();
+    let flip = flip(&image.image, &reference.image, &|done| {
+        let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
+        progress.progress(
+            done,
+            (left.is_finite() && left > WORTH_TELLING).then_some(left),
+        );
+        !progress.interrupted()
+    });
+    progress.finish();
+    Some(Comparison {
+        names: [&args.image, &args.reference],
+        errors: image_errors(&image.image.pixels, &reference.image.pixels),
+        flip: flip?,
+        bias: bias_test(image, reference),
+        notes: notes(args, image, reference),
+    })
+}
+
+/// The test for bias, or why there is none.
+fn bias_test(image: &AnnotatedImage, reference: &AnnotatedImage) -> Result<BiasTest, String> {
+    let [Some(a), Some(b)] = [image, reference].map(estimate) else {
+        let without = match [image, reference].map(|image| estimate(image).is_some()) {
+            [false, true] => "the image has no",
+            [true, false] => "the reference has no",
+            _ => "neither image has",
+        };
+        return Err(format!(
+            "{without} standard errors: render with --error to have bias tested"
+        ));
+    };
+    Ok(test_bias(&a, &b, image.image.width))
+}
+
+/// The image with its standard errors, if it has them. Only a path tracer's pixels have samples of
+/// their own alone.
+fn estimate(image: &AnnotatedImage) -> Option<Estimate<'_>> {
+    let parts = image.number("metrolight.error.independent_parts");
+    Some(Estimate {
+        pixels: &image.image.pixels,
+        standard_errors: image.layers.get(ERRORS)?,
+        parts: parts.filter(|&n| n >= 2.0).map(|n| n as u64),
+        independent_pixels: image.text("metrolight.integrator") == Some("path"),
+    })
+}
+
+fn notes(args: &Args, image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec<String> {
+    let mut notes = Vec::new();
+    for path in [&args.image, &args.reference] {
+        let extension = path.extension().unwrap_or_default();
+        if ["png", "jpg", "jpeg"]
+            .iter()
+            .any(|e| extension.eq_ignore_ascii_case(e))
+        {
+            notes.push(format!(
+                "{} holds no light brighter than 1: what the other image has beyond it counts as error",
+                path.display()
+            ));
+        }
+    }
+    if estimate(image).is_some() && estimate(reference).is_some() {
+        notes.extend(notes_on_errors([
+            ("the image", image),
+            ("the reference", reference),
+        ]));
+    }
+    notes
+}
+
+/// What the user should know about standard errors.
+fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (name, image) in images {
+        if estimate(image).is_some_and(|estimate| estimate.parts.is_none()) {
+            notes.push(format!(
+                "{name} does not say how many independent parts its standard errors come from: they \
+                 are taken as exact"
+            ));
+        }
+        let single = image.number("metrolight.error.pixels_resting_on_one_part");
+        if let Some(single) = single.filter(|&share| share > MANY_SINGLE) {
+            notes.push(format!(
+                "in {:.0}% of the pixels of {name} nearly all variance comes from one part of the \
+                 samples: its errors are probably larger than it says, and the test sees bias where \
+                 there may be none",
+                100.0 * single
+            ));
+        }
+    }
+    let seeds = images.map(|(_, image)| image.number("metrolight.seed"));
+    if seeds[0].is_some() && seeds[0] == seeds[1] {
+        notes.push(
+            "both images come from one seed and may share random numbers: the test then finds less"
+                .into(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,255 @@
+//! What `metrolight compare` has found: as text, as JSON, and as images of the errors.
+
+use std::io::Write;
+use std::path::Path;
+
+use metrolight::film::{Flip, Image, WriteError, replace_file};
+use metrolight::plot::{Picture, PlotError, draw_with_scale, rasterize};
+use metrolight::statistics::{BiasTest, BiasVerdict, ImageError, bias, relative_square_errors};
+use miette::IntoDiagnostic;
+use serde_json::json;
+
+/// The files that are written.
+pub const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
+
+/// What was found.
+pub struct Comparison<'a> {
+    /// Names of the image and of the reference.
+    pub names: [&'a Path; 2],
+    pub errors: ImageError,
+    pub flip: Flip,
+    /// Or why it was not tested.
+    pub bias: Result<BiasTest, String>,
+    /// What the user should know about the test.
+    pub notes: Vec<String>,
+}
+
+impl Comparison<'_> {
+    /// What the user wants to know, in one line.
+    fn verdict(&self) -> String {
+        let brightness = match self.errors.mean_ratio {
+            _ if self.errors.mse == 0.0 => "identical".into(),
+            None => "the reference is black".into(),
+            Some(ratio) if (ratio - 1.0).abs() < 5e-5 => "equally bright".into(),
+            Some(ratio) if ratio > 1.0 => format!("{} brighter", percent(ratio - 1.0)),
+            Some(ratio) => format!("{} darker", percent(1.0 - ratio)),
+        };
+        let bias = match &self.bias {
+            Err(_) => "bias not tested",
+            Ok(test) => match test.verdict {
+                BiasVerdict::Differs => "BIASED: one of them, at least",
+                BiasVerdict::Unclear => "bias unclear",
+                BiasVerdict::NoneFound => "no bias found",
+            },
+        };
+        format!(
+            "{} against {}: relMSE {:.3e}, {brightness}; {bias}",
+            self.names[0].display(),
+            self.names[1].display(),
+            self.errors.relative_mse,
+        )
+    }
+
+    /// A verdict in a line, and a table.
+    pub fn text(&self, written: Option<&Path>) -> String {
+        let e = &self.errors;
+        let pixels = self.flip.errors.len();
+        let mut rows = vec![
+            ("MSE", format!("{:.4e}", e.mse)),
+            ("RMSE", format!("{:.4e}", e.rmse)),
+            ("relMSE", format!("{:.4e}", e.relative_mse)),
+            (
+                "relMSE, trimmed",
+                format!(
+                    "{:.4e}  without the worst {} of {} pixels",
+                    e.relative_mse_trimmed, e.trimmed_pixels, pixels
+                ),
+            ),
+            ("MAPE", percent(e.mape)),
+            ("SMAPE", percent(e.smape)),
+            (
+                "mean ratio",
+                e.mean_ratio
+                    .map_or("none: the reference is black".into(), |r| format!("{r:.6}")),
+            ),
+            (
+                "FLIP",
+                format!(
+                    "{:.4}  HDR, {}, {} pixels per degree",
+                    self.flip.mean,
+                    exposures_text(&self.flip),
+                    self.flip.pixels_per_degree,
+                ),
+            ),
+            ("bias", self.bias_text()),
+        ];
+        rows.extend(self.notes.iter().map(|note| ("note", note.clone())));
+        if let Some(directory) = written {
+            let files = FILES.map(|name| directory.join(name).display().to_string());
+            rows.push(("wrote", files.join(", ")));
+        }
+        let rows = rows
+            .iter()
+            .map(|(name, value)| format!("  {name:<16} {value}"));
+        let lines: Vec<String> = [self.verdict()].into_iter().chain(rows).collect();
+        lines.join("\n")
+    }
+
+    fn bias_text(&self) -> String {
+        let test = match &self.bias {
+            Err(reason) => return format!("not tested: {reason}"),
+            Ok(test) => test,
+        };
+        let side = bias::TILE;
+        let [columns, rows] = &test.worst_tile;
+        let place = format!(
+            "worst in columns {}-{}, rows {}-{}",
+            columns.start,
+            columns.end - 1,
+            rows.start,
+            rows.end - 1
+        );
+        let power = match test.smallest_detectable {
+            Some(size) if size > 0.0 => format!(
+                "; a difference of {} of the mean in a tile would be found",
+                percent(size)
+            ),
+            _ => String::new(),
+        };
+        let all = format!("{} tiles of {side} x {side} pixels", test.tiles);
+        match test.verdict {
+            BiasVerdict::Differs => format!(
+                "{} of {all} differ by more than their errors allow (p = {:.1e}, level {}); {place}",
+                test.differing_tiles,
+                test.smallest_p,
+                bias::LEVEL
+            ),
+            BiasVerdict::Unclear => format!(
+                "{all}: some differ by more than independent pixels would (p = {:.1e}), but pixels of \
+                 one tile may err alike (p = {:.2}); {place}{power}. Render for longer",
+                test.smallest_p_if_independent, test.smallest_p
+            ),
+            BiasVerdict::NoneFound if test.smallest_p == test.smallest_p_if_independent => {
+                format!("none in {all} (p = {:.2}){power}", test.smallest_p)
+            }
+            BiasVerdict::NoneFound => format!(
+                "none in {all} (p = {:.2} if pixels are independent, {:.2} if not){power}",
+                test.smallest_p_if_independent, test.smallest_p
+            ),
+        }
+    }
+
+    /// All figures.
+    pub fn json(&self, image: &Image) -> serde_json::Value {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "image": self.names[0],
+            "reference": self.names[1],
+            "size": [image.width, image.height],
+            "verdict": self.verdict(),
+            "errors": self.errors,
+            "flip": {
+                "mean": self.flip.mean,
+                "pixels_per_degree": self.flip.pixels_per_degree,
+                "exposures": self.flip.count,
+                "start_exposure": self.flip.exposures[0],
+                "stop_exposure": self.flip.exposures[1],
+            },
+            "bias": self.bias.as_ref().ok(),
+            "bias_not_tested": self.bias.as_ref().err(),
+            "notes": self.notes,
+        })
+    }
+
+    /// Writes the images of the errors, and `report`.
+    pub fn write(
+        &self,
+        directory: &Path,
+        image: &Image,
+        reference: &Image,
+        report: &serde_json::Value,
+    ) -> miette::Result<()> {
+        let maps = [
+            (FILES[0], relative_map(image, reference)),
+            (FILES[1], self.flip_map(image.width)),
+        ];
+        for (name, svg) in maps {
+            let png = rasterize(&svg.into_diagnostic()?, 1.0).into_diagnostic()?;
+            write(&directory.join(name), &png).into_diagnostic()?;
+        }
+        let json = format!("{report:#}\n");
+        write(&directory.join(FILES[2]), json.as_bytes()).into_diagnostic()
+    }
+
+    fn flip_map(&self, width: usize) -> Result<String, PlotError> {
+        let lines = [
+            "How visible the error of each pixel is",
+            "FLIP for high dynamic range, from 0 to 1",
+        ];
+        let errors: Vec<f64> = self.flip.errors.iter().map(|&e| e.into()).collect();
+        let marks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|v| (v, format!("{v}")));
+        draw_with_scale(&lines, &Picture::in_false_colors(width, &errors), &marks)
+    }
+}
+
+fn relative_map(image: &Image, reference: &Image) -> Result<String, PlotError> {
+    let lines = [
+        "Relative error of each pixel",
+        "|x - r| / sqrt(r^2 + 0.01 m^2), r the reference and m its mean; RMS of the channels",
+    ];
+    let errors = relative_square_errors(&image.pixels, &reference.pixels);
+    let errors: Vec<f64> = errors.into_iter().map(on_scale).collect();
+    let marks = SCALE.map(|(error, label)| (on_scale(error * error), label.into()));
+    let picture = Picture::in_false_colors(image.width, &errors);
+    draw_with_scale(&lines, &picture, &marks)
+}
+
+fn exposures_text(flip: &Flip) -> String {
+    let [start, stop] = flip.exposures;
+    match flip.count {
+        1 => format!("exposure {start:+.1} stops"),
+        n => format!("{n} exposures from {start:+.1} to {stop:+.1} stops"),
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    replace_file(path, |writer| writer.write_all(bytes))
+}
+
+/// Relative errors that are labelled on the scale of colours; the first is black and all below it, the
+/// last the brightest and all above it.
+const SCALE: [(f64, &str); 4] = [(0.001, "0.1%"), (0.01, "1%"), (0.1, "10%"), (1.0, "100%")];
+
+/// The place of a squared relative error on the logarithmic scale, from 0 to 1.
+fn on_scale(squared: f64) -> f64 {
+    let [(low, _), .., (high, _)] = SCALE;
+    ((0.5 * squared.log10() - f64::log10(low)) / f64::log10(high / low)).clamp(0.0, 1.0)
+}
+
+/// `12.3%`, with three digits.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let decimals = match percent.abs() {
+        p if p >= 100.0 => 0,
+        p if p >= 10.0 => 1,
+        p if p >= 1.0 => 2,
+        p if p >= 0.1 => 3,
+        _ => 4,
+    };
+    format!("{percent:.decimals$}%")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{on_scale, percent};
+
+    #[test]
+    fn numbers_are_short_and_colours_keep_to_the_scale() {
+        for (share, expected) in [(0.0, "0.0000%"), (0.0123, "1.23%"), (12.0, "1200%")] {
+            assert_eq!(percent(share), expected);
+        }
+        let close = |squared: f64, place: f64| (on_scale(squared) - place).abs() < 1e-9;
+        assert!(close(1e-6, 0.0) && close(1e-3, 0.5) && close(1.0, 1.0));
+        assert!(close(0.0, 0.0) && close(1e9, 1.0));
+    }
+}

@@ -1,0 +1,394 @@
+//! `metrolight strategies`: each technique (s, t) of bidirectional path tracing as an image.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::path::{Path, PathBuf};
+
+use metrolight::film::{Image, check_writable, replace_file, srgb_bytes, write_exr};
+use metrolight::integrators::{Sampler, Technique, lost_light};
+use metrolight::math::{Rgb, luminance};
+use metrolight::plot::{Cell, Picture, Row, draw_contact_sheet, rasterize};
+use metrolight::render::strategies::check;
+use metrolight::render::{
+    Budget, Integrator, Settings, Strategies, TechniqueImages, strategies, techniques,
+};
+use miette::{IntoDiagnostic, bail};
+use serde_json::{Value, json};
+
+use super::progress::Progress;
+use super::render::{opening, print_replays, print_warnings};
+use super::source::SceneArgs;
+use super::values::MaxDepth;
+use super::{Outcome, interrupt, output, report, say, tell, values};
+
+/// Show each technique (s, t) of bidirectional path tracing alone
+///
+/// A path of k edges has k + 1 = s + t vertices, s of them made from the light and t from the camera.
+/// Writes for every (s, t) with t >= 1 what it finds without its weight in the power heuristic, and its
+/// weighted part: all weighted images add up to what `render --integrator bdpt` makes of the same seed
+/// and --spp. Two sheets show them as Veach (1997, figures 10.3 and 10.4) drew his pyramid.
+#[derive(clap::Args)]
+#[command(
+    mut_arg("max_depth", |arg| arg.help(depth_help())),
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  metrolight strategies scenes/bidir/scene.xml -o out        paths of up to 5 edges
+  metrolight strategies scene.xml --size 160x120 --max-depth 7 --spp 128 -o out
+
+Files in DIR: unweighted.png and weighted.png (the sheets), strategies.json (means and shares), and
+linear images unweighted_sS_tT.exr and weighted_sS_tT.exr.
+
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the images so far are written)"
+)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Directory for the images; made if there is none
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    /// Samples per pixel
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 32,
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
+    spp: u64,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+
+    /// Exposure of both sheets in stops
+    /// [default: for each row one that shows its sum well, in whole stops]
+    #[arg(long, value_name = "STOPS", value_parser = values::stops)]
+    exposure: Option<f64>,
+
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<usize>,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Longest path if the user names none: 19 techniques, which fit on a sheet.
+const EDGES: u32 = 5;
+
+/// Mean luminance that a row's sum has on the sheet, about: a middle grey.
+const MIDDLE: f64 = 0.2;
+
+fn depth_help() -> String {
+    format!("Longest path in edges: 1 shows emitters alone, 2 adds direct light [default: {EDGES}]")
+}
+
+const JSON: &str = "strategies.json";
+
+/// The two images of a technique.
+#[derive(Clone, Copy)]
+enum Kind {
+    Unweighted,
+    Weighted,
+}
+
+impl Kind {
+    const ALL: [Self; 2] = [Self::Unweighted, Self::Weighted];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Unweighted => "unweighted",
+            Self::Weighted => "weighted",
+        }
+    }
+
+    fn of(self, images: &TechniqueImages) -> &Image {
+        match self {
+            Self::Unweighted => &images.unweighted,
+            Self::Weighted => &images.weighted,
+        }
+    }
+
+    fn exr(self, Technique { s, t }: Technique) -> String {
+        format!("{}_s{s}_t{t}.exr", self.name())
+    }
+
+    fn sheet(self) -> String {
+        format!("{}.png", self.name())
+    }
+}
+
+/// Loads, renders, writes and sums up.
+pub fn run(mut args: Args) -> miette::Result<Outcome> {
+    let limit = args.scene.max_depth.get_or_insert(MaxDepth(Some(EDGES)));
+    if limit.0.is_none() {
+        bail!(
+            "--max-depth -1: each length has techniques of its own, so a limit is needed, such as 5"
+        );
+    }
+    let opened = args.scene.open()?;
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(args.spp),
+        seed: args.seed,
+        threads: args.threads,
+        ..Settings::new(Integrator::Bdpt)
+    };
+    let edges = check(&opened.scene).into_diagnostic()?;
+    prepare(&args.output, edges)?;
+    interrupt::listen()?;
+    let mut warnings = opened.warnings.clone();
+    let lost = lost_light(&opened.scene, Sampler::Bidirectional);
+    warnings.extend(lost.iter().map(ToString::to_string));
+    print_warnings(&warnings);
+    if !args.quiet {
+        tell(opening(&opened));
+    }
+
+    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    let found = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
+    progress.finish();
+    print_warnings(&found.warnings);
+    print_replays(&args.scene, &settings, &found.statistics);
+    warnings.extend_from_slice(&found.warnings);
+    if found.interrupted && found.statistics.samples == 0 {
+        tell("interrupted before the first sample: nothing is written");
+        return Ok(Outcome::Interrupted);
+    }
+
+    let shares = Shares::of(&found);
+    write(&args, edges, &found, &shares, &warnings)?;
+    if !args.quiet {
+        say(summary(&args, &found, &shares));
+    }
+    if found.interrupted {
+        tell("interrupted: the images hold what had been rendered by then");
+        return Ok(Outcome::Interrupted);
+    }
+    Ok(Outcome::Done)
+}
+
+/// Makes the directory and checks that all files can be written.
+fn prepare(directory: &Path, edges: u32) -> miette::Result<()> {
+    output::make_directory(directory)?;
+    for kind in Kind::ALL {
+        check_writable(&directory.join(kind.sheet())).into_diagnostic()?;
+        for technique in techniques(edges) {
+            check_writable(&directory.join(kind.exr(technique))).into_diagnostic()?;
+        }
+    }
+    check_writable(&directory.join(JSON)).into_diagnostic()
+}
+
+/// Mean luminances of all images, in the order of the techniques.
+struct Shares {
+    /// Without and with weights.
+    means: Vec<[f64; 2]>,
+    /// Sum of the weighted ones: the mean luminance of the image.
+    total: f64,
+}
+
+impl Shares {
+    fn of(found: &Strategies) -> Self {
+        let images = found.images.iter();
+        let means: Vec<[f64; 2]> = images
+            .map(|images| Kind::ALL.map(|kind| mean_luminance(kind.of(images))))
+            .collect();
+        Self {
+            total: means.iter().map(|mean| mean[1]).sum(),
+            means,
+        }
+    }
+
+    /// Part of the image's light that comes by technique number `i`; `None` if there is no light.
+    fn share(&self, i: usize) -> Option<f64> {
+        (self.total > 0.0).then(|| self.means[i][1] / self.total)
+    }
+}
+
+fn mean_luminance(image: &Image) -> f64 {
+    let luminances = image.pixels.iter().map(|&p| luminance(Rgb::from(p)));
+    luminances.map(f64::from).sum::<f64>() / image.pixels.len() as f64
+}
+
+fn edges_of(technique: Technique) -> usize {
+    technique.s + technique.t - 1
+}
+
+/// Exposure of each row in stops, from one edge on: whole stops that bring the mean of the row's sum
+/// near [`MIDDLE`]. A row without light stays as it is.
+fn exposures(args: &Args, edges: u32, found: &Strategies, shares: &Shares) -> Vec<f64> {
+    let row = |k: usize| {
+        if let Some(stops) = args.exposure {
+            return stops;
+        }
+        let images = found.images.iter().zip(&shares.means);
+        let images = images.filter(|(images, _)| edges_of(images.technique) == k);
+        let sum: f64 = images.map(|(_, mean)| mean[1]).sum();
+        if sum > 0.0 {
+            // 0 added: no number reads -0.
+            (MIDDLE / sum).log2().round() + 0.0
+        } else {
+            0.0
+        }
+    };
+    (1..=edges as usize).map(row).collect()
+}
+
+fn write(
+    args: &Args,
+    edges: u32,
+    found: &Strategies,
+    shares: &Shares,
+    warnings: &[String],
+) -> miette::Result<()> {
+    let mut report = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.path,
+        "defines": args.scene.defines.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+        "max_depth": edges,
+        "samples_per_pixel": args.spp,
+        "statistics": found.statistics,
+        "interrupted": found.interrupted,
+        "warnings": warnings,
+    });
+    for images in &found.images {
+        for kind in Kind::ALL {
+            let Technique { s, t } = images.technique;
+            let mut attributes = output::attributes(&report);
+            let technique = json!({ "s": s, "t": t, "image": kind.name() });
+            let technique = json!({ "technique": technique });
+            attributes.extend(output::attributes(&technique));
+            let path = args.output.join(kind.exr(images.technique));
+            write_exr(&path, kind.of(images), &[], &attributes).into_diagnostic()?;
+        }
+    }
+    let exposures = exposures(args, edges, found, shares);
+    for kind in Kind::ALL {
+        let png = sheet(args, kind, found, shares, &exposures)?;
+        let path = args.output.join(kind.sheet());
+        replace_file(&path, |writer| writer.write_all(&png)).into_diagnostic()?;
+    }
+    report["mean_luminance"] = json!(shares.total);
+    report["exposures"] = json!(exposures);
+    report["techniques"] = table(found, shares);
+    let path = args.output.join(JSON);
+    replace_file(&path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()
+}
+
+fn table(found: &Strategies, shares: &Shares) -> Value {
+    let rows = found.images.iter().enumerate();
+    rows.map(|(i, images)| {
+        let technique = images.technique;
+        json!({
+            "s": technique.s,
+            "t": technique.t,
+            "edges": edges_of(technique),
+            "mean_luminance_unweighted": shares.means[i][0],
+            "mean_luminance_weighted": shares.means[i][1],
+            "share": shares.share(i),
+            "unweighted": Kind::Unweighted.exr(technique),
+            "weighted": Kind::Weighted.exr(technique),
+        })
+    })
+    .collect()
+}
+
+/// The pyramid as a PNG file.
+fn sheet(
+    args: &Args,
+    kind: Kind,
+    found: &Strategies,
+    shares: &Shares,
+    exposures: &[f64],
+) -> miette::Result<Vec<u8>> {
+    let cell = |i: usize, images: &TechniqueImages, stops: f64| {
+        let Technique { s, t } = images.technique;
+        let image = kind.of(images);
+        let note = match (kind, shares.share(i)) {
+            _ if shares.means[i][0] == 0.0 => "nothing found".into(),
+            (Kind::Weighted, Some(share)) => percent(share),
+            _ => format!("mean {:.2e}", shares.means[i][0]),
+        };
+        Cell {
+            label: format!("({s},{t}): {note}"),
+            picture: Picture {
+                width: image.width,
+                height: image.height,
+                rgb: srgb_bytes(image, stops.exp2()),
+            },
+        }
+    };
+    let row = |(k, &stops): (usize, &f64)| {
+        let images = found.images.iter().enumerate();
+        let images = images.filter(|(_, images)| edges_of(images.technique) == k);
+        Row {
+            title: format!(
+                "{}, exposure {stops:+} {}",
+                edges_text(k),
+                stops_text(stops)
+            ),
+            cells: images.map(|(i, images)| cell(i, images, stops)).collect(),
+        }
+    };
+    let rows: Vec<Row> = (1..).zip(exposures).map(row).collect();
+    let title = match kind {
+        Kind::Unweighted => "Techniques (s,t) alone, without weights",
+        Kind::Weighted => "Techniques (s,t), weighted: their sum is the image",
+    };
+    let note = format!(
+        "{}, {} samples per pixel, seed {}; s vertices from the light, t from the camera",
+        args.scene.name()?,
+        args.spp,
+        args.seed
+    );
+    let svg = draw_contact_sheet([title, &note], &rows).into_diagnostic()?;
+    rasterize(&svg, 1.0).into_diagnostic()
+}
+
+fn edges_text(k: usize) -> String {
+    if k == 1 {
+        "1 edge".into()
+    } else {
+        format!("{k} edges")
+    }
+}
+
+fn stops_text(stops: f64) -> &'static str {
+    if stops.abs() == 1.0 { "stop" } else { "stops" }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1}%", 100.0 * share)
+}
+
+/// What was written, and by which techniques the light came.
+fn summary(args: &Args, found: &Strategies, shares: &Shares) -> String {
+    let statistics = &found.statistics;
+    let [width, height] = statistics.size;
+    let directory = args.output.display();
+    let mut lines = vec![
+        format!(
+            "wrote {directory}/weighted.png, unweighted.png, {JSON} and {} images: {width} x {height} \
+             pixels, {} samples in {}",
+            2 * found.images.len(),
+            report::quantity(statistics.samples as f64),
+            report::duration(statistics.render_seconds),
+        ),
+        "share of the image's light by technique (s,t):".into(),
+    ];
+    let edges = found.images.iter().map(|images| edges_of(images.technique));
+    for k in 1..=edges.max().unwrap_or(0) {
+        let images = found.images.iter().enumerate();
+        let images = images.filter(|(_, images)| edges_of(images.technique) == k);
+        let cells = images.map(|(i, images)| {
+            let Technique { s, t } = images.technique;
+            let share = shares.share(i).map_or("-".into(), percent);
+            format!("({s},{t}) {share:>5}")
+        });
+        let cells: Vec<String> = cells.collect();
+        lines.push(format!("  {:<8} {}", edges_text(k), cells.join("   ")));
+    }
+    lines.join("\n")
+}
