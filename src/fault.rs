@@ -29,7 +29,7 @@ pub(crate) enum Fault {
     NormalisationOff,
     /// The factor of shading normals (Veach 1997, section 5.3.2) is left out of light subpaths.
     AdjointLeftOut,
-    /// The MIS weight of joined subpaths is 5% too large.
+    /// The MIS weight of joined subpaths is 20% too large.
     WeightOff,
 }
 

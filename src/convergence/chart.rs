@@ -1,12 +1,12 @@
 //! The chart of error against time and against rays.
 
 use super::curve::Reached;
-use super::{Cost, Curve, Variant};
+use super::{Cost, Curve, Measure, Variant};
 use crate::plot::{Axis, Chart, Mark, PlotError, Series, draw};
 
-/// Two charts side by side as an SVG document: relMSE against seconds and against rays, a line and a
-/// band (least to greatest of all repeats) for each curve, and the reference's own expected relMSE,
-/// if it is known, as a broken line.
+/// Three charts side by side as an SVG document: relMSE against seconds and against rays, and without
+/// the worst 0.1% of the pixels against seconds; a line and a band (least to greatest of all repeats)
+/// for each curve, and the reference's own expected relMSE, if it is known, as a broken line.
 ///
 /// # Errors
 /// If there is nothing to draw.
@@ -16,30 +16,39 @@ pub fn convergence_chart(
     curves: &[Curve],
     reference_error: Option<f64>,
 ) -> Result<String, PlotError> {
-    let charts = [Cost::Seconds, Cost::Rays].map(|cost| Chart {
+    let panels = [
+        (Cost::Seconds, Measure::Whole),
+        (Cost::Rays, Measure::Whole),
+        (Cost::Seconds, Measure::Trimmed),
+    ];
+    let charts = panels.map(|panel| Chart {
         title: title.into(),
-        x: Axis::logarithmic(match cost {
+        x: Axis::logarithmic(match panel.0 {
             Cost::Seconds => "seconds of rendering",
             Cost::Rays => "rays",
         }),
-        y: Axis::logarithmic("relMSE"),
-        series: series(variants, curves, reference_error, cost),
+        y: Axis::logarithmic(match panel.1 {
+            Measure::Whole => "relMSE",
+            Measure::Trimmed => "relMSE without the worst 0.1% of the pixels",
+        }),
+        series: series(variants, curves, reference_error, panel),
     });
-    draw(&charts, 2)
+    draw(&charts, 3)
 }
 
 fn series(
     variants: &[Variant],
     curves: &[Curve],
     reference_error: Option<f64>,
-    cost: Cost,
+    (cost, measure): (Cost, Measure),
 ) -> Vec<Series> {
     let ends = curves.iter().flat_map(|curve| {
         let ends = [curve.points.first(), curve.points.last()];
         ends.into_iter().flatten().map(|p| p.cost(cost))
     });
     let (first, last) = ends.fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
-    let reference = reference_error.map(|error| Series {
+    let known = reference_error.filter(|_| measure == Measure::Whole);
+    let reference = known.map(|error| Series {
         label: "the reference's own error".into(),
         points: vec![[first, error], [last, error]],
         band: Vec::new(),
@@ -49,13 +58,16 @@ fn series(
     let line = |(i, curve): (usize, &Curve)| {
         let points = curve.points.iter();
         Series {
-            label: legend(variants, curves, i, cost),
+            label: legend(variants, curves, i, (cost, measure)),
             points: points
                 .clone()
-                .map(|p| [p.cost(cost), p.relative_mse])
+                .map(|p| [p.cost(cost), p.error(measure)])
                 .collect(),
             band: points
-                .map(|p| [p.cost(cost), p.spread[0], p.spread[1]])
+                .map(|p| {
+                    let [least, greatest] = p.spread(measure);
+                    [p.cost(cost), least, greatest]
+                })
                 .collect(),
             mark: Mark::Line,
             color: i,
@@ -66,13 +78,18 @@ fn series(
 }
 
 /// `pssmlt: slope -0.62, reaches bdpt's 60 s error in 4.1 s`.
-fn legend(variants: &[Variant], curves: &[Curve], i: usize, cost: Cost) -> String {
+fn legend(
+    variants: &[Variant],
+    curves: &[Curve],
+    i: usize,
+    (cost, measure): (Cost, Measure),
+) -> String {
     let label = &variants[i].label;
-    let slope = curves[i].slope(cost);
+    let slope = curves[i].slope(cost, measure);
     let slope = slope.map_or_else(String::new, |slope| format!("slope {slope:.2}"));
     let parts = [
         slope,
-        comparison(variants, curves, i, cost).unwrap_or_default(),
+        comparison(variants, curves, i, (cost, measure)).unwrap_or_default(),
     ];
     let said: Vec<&str> = parts
         .iter()
@@ -88,7 +105,12 @@ fn legend(variants: &[Variant], curves: &[Curve], i: usize, cost: Cost) -> Strin
 
 /// What variant `i` needs to reach the error that the baseline has at the end: `reaches bdpt's 60 s
 /// error in 4.1 s`. `None` for the baseline itself, and where nothing was measured.
-pub fn comparison(variants: &[Variant], curves: &[Curve], i: usize, cost: Cost) -> Option<String> {
+pub fn comparison(
+    variants: &[Variant],
+    curves: &[Curve],
+    i: usize,
+    (cost, measure): (Cost, Measure),
+) -> Option<String> {
     let (baseline, end) = (variants.first()?, curves.first()?.end()?);
     if i == 0 {
         return None;
@@ -98,14 +120,16 @@ pub fn comparison(variants: &[Variant], curves: &[Curve], i: usize, cost: Cost) 
         baseline.label,
         amount(end.cost(cost), cost)
     );
-    Some(match curves.get(i)?.reaches(end.relative_mse, cost)? {
-        Reached::At(x) => format!("reaches {whose} in {}", amount(x, cost)),
-        Reached::Before(x) => format!(
-            "is below {whose} from the first look on, at {}",
-            amount(x, cost)
-        ),
-        Reached::Never(ratio) => format!("ends at {ratio:.2} times {whose}"),
-    })
+    Some(
+        match curves.get(i)?.reaches(end.error(measure), cost, measure)? {
+            Reached::At(x) => format!("reaches {whose} in {}", amount(x, cost)),
+            Reached::Before(x) => format!(
+                "is below {whose} from the first look on, at {}",
+                amount(x, cost)
+            ),
+            Reached::Never(ratio) => format!("ends at {ratio:.2} times {whose}"),
+        },
+    )
 }
 
 /// `4.1 s`, or `1.2e8 rays`.
@@ -130,6 +154,7 @@ mod tests {
             relative_mse,
             spread: [0.5 * relative_mse, 2.0 * relative_mse],
             relative_mse_trimmed: relative_mse,
+            spread_trimmed: [relative_mse; 2],
         };
         Curve {
             points: errors.iter().enumerate().map(point).collect(),
@@ -148,12 +173,12 @@ mod tests {
             curve(&[2.0, 1.0, 0.5, 0.25]),
             curve(&[8.0, 4.0, 3.0, 3.0]),
         ];
-        let said = |i| comparison(&variants, &curves, i, Cost::Seconds);
+        let said = |i| comparison(&variants, &curves, i, (Cost::Seconds, Measure::Whole));
         assert_eq!(said(0), None);
         assert_eq!(said(1).unwrap(), "reaches bdpt's 8.0 s error in 2.0 s");
         assert_eq!(said(2).unwrap(), "ends at 3.00 times bdpt's 8.0 s error");
         assert_eq!(
-            legend(&variants, &curves, 1, Cost::Rays),
+            legend(&variants, &curves, 1, (Cost::Rays, Measure::Trimmed)),
             "pssmlt: slope -1.00, reaches bdpt's 8.0e6 rays error in 2.0e6 rays"
         );
         let svg = convergence_chart("title", &variants, &curves, Some(0.1)).unwrap();

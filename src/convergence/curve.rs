@@ -1,6 +1,7 @@
 //! From measurements to curves: means over repeats, slopes, and who is how much faster.
 
 use super::Measurement;
+use crate::statistics::ImageError;
 
 /// What an error is paid with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,6 +10,25 @@ pub enum Cost {
     Seconds,
     /// Rays traced.
     Rays,
+}
+
+/// Which error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// relMSE of all pixels.
+    Whole,
+    /// relMSE without the worst 0.1% of the pixels: what is left when single bright dots are forgiven.
+    Trimmed,
+}
+
+impl Measure {
+    /// The error of an image.
+    fn of(self, error: &ImageError) -> f64 {
+        match self {
+            Self::Whole => error.relative_mse,
+            Self::Trimmed => error.relative_mse_trimmed,
+        }
+    }
 }
 
 /// A moment of all repeats together.
@@ -24,6 +44,8 @@ pub struct CurvePoint {
     pub spread: [f64; 2],
     /// Mean relMSE without the worst 0.1% of the pixels.
     pub relative_mse_trimmed: f64,
+    /// Least and greatest of them.
+    pub spread_trimmed: [f64; 2],
 }
 
 impl CurvePoint {
@@ -32,6 +54,22 @@ impl CurvePoint {
         match cost {
             Cost::Seconds => self.seconds,
             Cost::Rays => self.rays,
+        }
+    }
+
+    /// The mean error.
+    pub fn error(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Whole => self.relative_mse,
+            Measure::Trimmed => self.relative_mse_trimmed,
+        }
+    }
+
+    /// Least and greatest error of any repeat.
+    pub fn spread(&self, measure: Measure) -> [f64; 2] {
+        match measure {
+            Measure::Whole => self.spread,
+            Measure::Trimmed => self.spread_trimmed,
         }
     }
 }
@@ -76,13 +114,13 @@ impl Curve {
 
     /// Least squares slope of log error over log cost, over the last eighth of the cost: -1 for
     /// independent samples without bias. `None` if there are fewer than three points.
-    pub fn slope(&self, cost: Cost) -> Option<f64> {
+    pub fn slope(&self, cost: Cost, measure: Measure) -> Option<f64> {
         let last = self.end()?.cost(cost);
         let logs: Vec<[f64; 2]> = self
             .points
             .iter()
-            .filter(|p| p.cost(cost) >= last / 8.0 && p.relative_mse > 0.0)
-            .map(|p| [p.cost(cost).ln(), p.relative_mse.ln()])
+            .filter(|p| p.cost(cost) >= last / 8.0 && p.error(measure) > 0.0)
+            .map(|p| [p.cost(cost).ln(), p.error(measure).ln()])
             .collect();
         if logs.len() < 3 {
             return None;
@@ -96,19 +134,19 @@ impl Curve {
 
     /// The cost at which the error is first `error` or less, straight lines between measurements in
     /// logarithms of both. `None` without measurements.
-    pub fn reaches(&self, error: f64, cost: Cost) -> Option<Reached> {
+    pub fn reaches(&self, error: f64, cost: Cost, measure: Measure) -> Option<Reached> {
         let first = self.points.first()?;
-        if first.relative_mse <= error {
+        if first.error(measure) <= error {
             return Some(Reached::Before(first.cost(cost)));
         }
         let crossing = self
             .points
             .windows(2)
-            .find(|pair| pair[1].relative_mse <= error);
+            .find(|pair| pair[1].error(measure) <= error);
         let Some([a, b]) = crossing else {
-            return Some(Reached::Never(self.end()?.relative_mse / error));
+            return Some(Reached::Never(self.end()?.error(measure) / error));
         };
-        let share = (a.relative_mse / error).ln() / (a.relative_mse / b.relative_mse).ln();
+        let share = (a.error(measure) / error).ln() / (a.error(measure) / b.error(measure)).ln();
         let [from, to] = [a, b].map(|p| p.cost(cost));
         Some(Reached::At(from * (to / from).powf(share)))
     }
@@ -119,16 +157,18 @@ impl CurvePoint {
         let mean = |value: &dyn Fn(&Measurement) -> f64| {
             at.iter().map(|m| value(m)).sum::<f64>() / at.len() as f64
         };
-        let errors = || at.iter().map(|m| m.error.relative_mse);
+        let spread = |measure: Measure| {
+            let errors = || at.iter().map(|m| measure.of(&m.error));
+            let least = errors().fold(f64::INFINITY, f64::min);
+            [least, errors().fold(0.0, f64::max)]
+        };
         Self {
             seconds: mean(&|m| m.moment.seconds),
             rays: mean(&|m| m.moment.rays as f64),
             relative_mse: mean(&|m| m.error.relative_mse),
-            spread: [
-                errors().fold(f64::INFINITY, f64::min),
-                errors().fold(0.0, f64::max),
-            ],
+            spread: spread(Measure::Whole),
             relative_mse_trimmed: mean(&|m| m.error.relative_mse_trimmed),
+            spread_trimmed: spread(Measure::Trimmed),
         }
     }
 }
@@ -167,22 +207,26 @@ mod tests {
     fn one_over_time_has_slope_minus_one_and_reaches_what_it_should() {
         let curve = one_over_time();
         for cost in [Cost::Seconds, Cost::Rays] {
-            let slope = curve.slope(cost).unwrap();
+            let slope = curve.slope(cost, Measure::Whole).unwrap();
             assert!((slope + 1.0).abs() < 1e-3, "{slope}");
         }
-        let Some(Reached::At(seconds)) = curve.reaches(0.1, Cost::Seconds) else {
+        let Some(Reached::At(seconds)) = curve.reaches(0.1, Cost::Seconds, Measure::Trimmed) else {
             panic!("0.1 is between 1 and 1/64");
         };
         assert!((seconds - 10.0).abs() < 0.01, "{seconds}");
         assert_eq!(
-            curve.reaches(2.0, Cost::Seconds),
+            curve.reaches(2.0, Cost::Seconds, Measure::Whole),
             Some(Reached::Before(1.0))
         );
-        let Some(Reached::Never(ratio)) = curve.reaches(1.0 / 128.0, Cost::Rays) else {
+        let Some(Reached::Never(ratio)) = curve.reaches(1.0 / 128.0, Cost::Rays, Measure::Whole)
+        else {
             panic!("1/128 is beyond the end");
         };
         assert!((ratio - 2.0).abs() < 1e-3);
-        assert_eq!(Curve::default().reaches(1.0, Cost::Rays), None);
+        assert_eq!(
+            Curve::default().reaches(1.0, Cost::Rays, Measure::Whole),
+            None
+        );
     }
 
     #[test]

@@ -10,5 +10,5 @@ pub mod experiment;
 pub mod recorder;
 
 pub use chart::{comparison, convergence_chart};
-pub use curve::{Cost, Curve, CurvePoint, Reached};
+pub use curve::{Cost, Curve, CurvePoint, Measure, Reached};
 pub use experiment::{Experiment, Measurement, Outcome, Variant};

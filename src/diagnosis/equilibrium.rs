@@ -60,8 +60,7 @@ pub(super) fn equilibrium<S: Subject>(
     let mut checks = reversibility::ranks(subject, &starts, seed(part::RANKS), p_large);
     begin(observer, "tests")?;
     let mut rng = seeds::generator(seed(part::TESTS), Purpose::Tests, 0);
-    let names = effort.coordinates;
-    checks.extend(invariance::invariance(&fresh, &histories, names, &mut rng));
+    checks.extend(invariance::invariance(&fresh, &histories, effort, &mut rng));
     checks.extend(reversibility::symmetry(&fresh, &histories));
     checks.extend(invariance::independence(&histories));
     begin(observer, "plain sampling")?;

@@ -38,13 +38,50 @@ pub struct History {
     pub states: [Features; LOOKS.len()],
     /// The first and the last step.
     pub transitions: [Transition; 2],
-    /// Estimates of the integral of I over each tile: the chain part, still to be multiplied by
-    /// b/b_0, and the large-step part (see [`crate::markov::chain`]).
-    pub tiles: [Vec<f64>; 2],
+    /// Estimates of integrals: the chain part, still to be multiplied by b/b_0, and the large-step
+    /// part (see [`crate::markov::chain`]).
+    pub integrals: [Integrals; 2],
     /// Counts of steps.
     pub counters: ChainCounters,
     /// Small steps proposed and accepted, by the tile of the state before.
     pub small_steps: Vec<[u32; 2]>,
+}
+
+/// Integrals over the hypercube, or estimates of them.
+#[derive(Clone, Debug)]
+pub struct Integrals {
+    /// Of the light in each tile.
+    pub light: Vec<f64>,
+    /// Of its square.
+    pub squares: Vec<f64>,
+    /// Of I squared.
+    pub square: f64,
+}
+
+impl Integrals {
+    fn zero() -> Self {
+        Self {
+            light: vec![0.0; TILES * TILES],
+            squares: vec![0.0; TILES * TILES],
+            square: 0.0,
+        }
+    }
+
+    fn add(&mut self, sample: &Sample<Observation>, factor: f64) {
+        for &(tile, light) in &sample.contribution.light {
+            self.light[tile] += light * factor;
+            self.squares[tile] += light * light * factor;
+        }
+        if factor > 0.0 {
+            self.square += sample.density * sample.density * factor;
+        }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.light.iter_mut().for_each(|v| *v *= factor);
+        self.squares.iter_mut().for_each(|v| *v *= factor);
+        self.square *= factor;
+    }
 }
 
 /// Chains that run between two looks at the observer.
@@ -108,7 +145,7 @@ impl Recorder {
             start,
             states: [start; LOOKS.len()],
             transitions: [still; 2],
-            tiles: [vec![0.0; TILES * TILES], vec![0.0; TILES * TILES]],
+            integrals: [Integrals::zero(), Integrals::zero()],
             counters: ChainCounters::default(),
             small_steps: vec![[0; 2]; TILES * TILES],
         };
@@ -148,13 +185,12 @@ impl Recorder {
         let weights = self.chain.take_weights();
         let mut current = self.chain.current().clone();
         current.weights = weights;
-        add(&mut self.history.tiles, &self.weighing, &current);
+        add(&mut self.history.integrals, &self.weighing, &current);
         let scale = 1.0 / last as f64;
         self.history
-            .tiles
+            .integrals
             .iter_mut()
-            .flatten()
-            .for_each(|t| *t *= scale);
+            .for_each(|part| part.scale(scale));
         self.history.counters = self.chain.counters;
         self.history
     }
@@ -167,18 +203,15 @@ impl Recorder {
         let counts = |chain: &Chain<_>| [chain.counters.large[0], chain.counters.accepted()];
         let before = counts(&self.chain);
         let retired = self.chain.step(target);
-        add(&mut self.history.tiles, &self.weighing, retired);
+        add(&mut self.history.integrals, &self.weighing, retired);
         let after = counts(&self.chain);
         [after[0] > before[0], after[1] > before[1]]
     }
 }
 
 /// Adds a sample with its weights to the estimates.
-fn add(tiles: &mut [Vec<f64>; 2], weighing: &Weighing, sample: &Sample<Observation>) {
-    let factors = weighing.factors(sample);
-    for &(tile, light) in &sample.contribution.light {
-        for (part, factor) in tiles.iter_mut().zip(factors) {
-            part[tile] += light * factor;
-        }
+fn add(integrals: &mut [Integrals; 2], weighing: &Weighing, sample: &Sample<Observation>) {
+    for (part, factor) in integrals.iter_mut().zip(weighing.factors(sample)) {
+        part.add(sample, factor);
     }
 }

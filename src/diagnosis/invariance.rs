@@ -2,9 +2,10 @@
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::Effort;
 use super::check::{Check, Family};
 use super::history::{History, LOOKS};
-use super::observation::{COORDINATES, Features};
+use super::observation::{Features, Quantity};
 use crate::statistics::{
     chi_square_two_sample, kolmogorov_smirnov, kolmogorov_smirnov_randomized, mmd_permutation,
     spearman, stuart_maxwell,
@@ -13,18 +14,15 @@ use crate::statistics::{
 /// Points of each sample that the maximum mean discrepancy compares.
 const MMD_POINTS: usize = 256;
 
-/// Most permutations: p-values down to 10^-5 can be told.
-const MMD_PERMUTATIONS: u32 = 100_000;
-
 /// Compares `fresh` states, drawn exactly from the target, with those of `histories` after each look,
-/// one state per chain; and those of the same chains before and after. `coordinates` are the names of
-/// the watched coordinates.
+/// one state per chain; and those of the same chains before and after.
 pub fn invariance(
     fresh: &[Features],
     histories: &[History],
-    coordinates: [&str; COORDINATES],
+    effort: &Effort,
     rng: &mut Xoshiro256PlusPlus,
 ) -> Vec<Check> {
+    let (coordinates, permutations) = (effort.coordinates, effort.permutations);
     let mut checks = Vec::new();
     for (look, steps) in LOOKS.into_iter().enumerate() {
         let states: Vec<Features> = histories.iter().map(|h| h.states[look]).collect();
@@ -54,7 +52,7 @@ pub fn invariance(
             check(&format!("Kolmogorov-Smirnov of {name}"), p);
         }
         let [a, b] = points(fresh, &states);
-        let p = mmd_permutation(&a, &b, MMD_PERMUTATIONS, rng);
+        let p = mmd_permutation(&a, &b, permutations, rng);
         check("maximum mean discrepancy", p);
     }
     checks
@@ -69,19 +67,15 @@ pub fn independence(histories: &[History]) -> Vec<Check> {
         .filter(|pair| pair[0].sample != pair[1].sample)
         .map(|pair| [&pair[0].states[last], &pair[1].states[last]])
         .collect();
-    let check = |name: &str, value: &dyn Fn(&Features) -> f64| {
+    let check = |quantity: Quantity| {
         let [a, b] = [0, 1].map(|i| {
-            let values = neighbours.iter().map(|pair| value(pair[i]));
+            let values = neighbours.iter().map(|pair| quantity.of(pair[i]));
             values.collect::<Vec<f64>>()
         });
-        let name = format!("rank correlation of neighbours' {name}");
+        let name = format!("rank correlation of neighbours' {}", quantity.name());
         Check::new(Family::Independence, name, spearman(&a, &b))
     };
-    vec![
-        check("log I", &|f| f.log_density),
-        check("film x", &|f| f.coordinates[0]),
-        check("film y", &|f| f.coordinates[1]),
-    ]
+    Quantity::ALL.map(check).into()
 }
 
 /// `1 step`, `8 steps`.

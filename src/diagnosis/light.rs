@@ -1,24 +1,22 @@
 //! The chains of a scene.
 
-use super::observation::{COORDINATES, Features, Observation, Subject, TECHNIQUES, TILES, tile_at};
+use super::observation::{
+    COORDINATES, Features, Observation, Plain, Subject, TECHNIQUES, TILES, tile_at,
+};
 use crate::film::{Filter, Image};
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::Target;
-use crate::math::{Coordinates, Rgb, Stream, luminance, seeds};
+use crate::math::{Coordinates, Rgb, Stream, luminance};
 use crate::path::dimensions;
 use crate::render::{Budget, Integrator, Settings, Unobserved, render};
 use crate::scene::Scene;
 
-/// Renders by plain bidirectional path tracing that the chains are compared with.
-const PLAIN_RENDERS: u64 = 32;
-
 /// The path sampler of every Metropolis integrator.
 const SAMPLER: Sampler = Sampler::Bidirectional;
 
-/// Samples per pixel of each.
-const PLAIN_SPP: u64 = 16;
-
-/// Pixels in a row and in a column of each: a multiple of [`TILES`].
+/// Samples per pixel of the plain render that chains are compared with, and its pixels in a row and in
+/// a column, a multiple of [`TILES`].
+const PLAIN_SPP: u64 = 512;
 const PLAIN_PIXELS: u32 = 64;
 
 /// The light of a scene.
@@ -28,7 +26,7 @@ pub struct SceneLight<'a> {
 }
 
 impl<'a> SceneLight<'a> {
-    /// Of `scene`, with plain renders on `threads` threads (`None` for one per core).
+    /// Of `scene`, with a plain render on `threads` threads (`None` for one per core).
     ///
     /// The film gets a box filter, so that the mean of all pixels is the integral of the light over
     /// the film, and few pixels. Neither has any part in what chains do: their film is continuous.
@@ -50,20 +48,25 @@ impl<'a> Subject for SceneLight<'a> {
         }
     }
 
-    /// From renders by plain bidirectional path tracing, which share nothing with the chains but the
-    /// path sampler.
-    fn plain(&self, seed: u64) -> Vec<Vec<f64>> {
-        let render = |part| {
-            let settings = Settings {
-                budget: Budget::SamplesPerPixel(PLAIN_SPP),
-                seed: seeds::part(seed, part),
-                threads: self.threads,
-                ..Settings::new(Integrator::Bdpt)
-            };
-            let rendering = render(self.scene, &settings, &Unobserved).ok()?;
-            Some(light_of_tiles(&rendering.image))
+    /// From a render by plain bidirectional path tracing, which shares nothing with the chains but the
+    /// path sampler. Without samples if its threads cannot be started.
+    fn plain(&self, seed: u64) -> Plain {
+        let settings = Settings {
+            budget: Budget::SamplesPerPixel(PLAIN_SPP),
+            seed,
+            threads: self.threads,
+            ..Settings::new(Integrator::Bdpt)
         };
-        (0..PLAIN_RENDERS).filter_map(render).collect()
+        match render(self.scene, &settings, &Unobserved) {
+            Ok(rendering) => Plain {
+                samples: rendering.statistics.samples,
+                tiles: light_of_tiles(&rendering.image),
+            },
+            Err(_) => Plain {
+                samples: 0,
+                tiles: vec![0.0; TILES * TILES],
+            },
+        }
     }
 }
 
@@ -140,7 +143,7 @@ impl Target for ObservedLight<'_> {
         out.light.clear();
         for splat in self.splats.iter() {
             let light = f64::from(luminance(splat.value));
-            out.light.push((self.tile(splat.position), light));
+            out.add(self.tile(splat.position), light);
         }
         self.splats.luminance()
     }

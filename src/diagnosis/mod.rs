@@ -30,7 +30,9 @@ use self::equilibrium::{Equilibrium, equilibrium};
 pub use check::{Check, Family};
 pub use light::{COORDINATE_NAMES, SceneLight};
 pub use normalisation::{Estimate, Normalisation};
-pub use observation::{COORDINATES, Features, Observation, Subject, TECHNIQUES, TILES, tile_at};
+pub use observation::{
+    COORDINATES, Features, Observation, Plain, Quantity, Subject, TECHNIQUES, TILES, tile_at,
+};
 pub use quality::{Mixing, Quality, TileMixing};
 pub use start_up::StartUpBias;
 pub use starts::Starts;
@@ -53,6 +55,9 @@ pub struct Effort {
     /// Bounds on the bootstrap that b is known from and long chains start from.
     #[serde(skip)]
     pub bootstrap: BootstrapLimits,
+    /// Most permutations of the maximum mean discrepancy: p-values down to one over their number can
+    /// be told.
+    pub permutations: u32,
 }
 
 impl Default for Effort {
@@ -64,6 +69,7 @@ impl Default for Effort {
             samples: 1 << 22,
             steps: 4096,
             coordinates: COORDINATE_NAMES,
+            permutations: 100_000,
             bootstrap: BootstrapLimits {
                 at_least: 1 << 17,
                 at_most: 1 << 20,

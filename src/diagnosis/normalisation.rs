@@ -1,15 +1,23 @@
 //! b, and what samples weigh: what chains make of the image must be what plain sampling makes of it.
+//!
+//! Where light is rare and bright, uniform samples do not know how uncertain their mean is: most of them
+//! have never met it. Chains have. So the variance of every uniform sample is estimated by the chains'
+//! weights, as an integral like any other, and a mean that rests on too few lucky samples is not tested.
 
 use super::check::{Check, Family};
-use super::history::History;
-use super::observation::TILES;
+use super::history::{History, Integrals};
+use super::observation::{Plain, TILES};
 use crate::markov::{Bootstrap, Weighing};
-use crate::statistics::{Moments, holm, normal_two_sided, welch};
+use crate::statistics::{Moments, holm, normal_two_sided};
+
+/// Independent units of chains, and lucky samples, that a test takes at least: its z-score is then
+/// about normal.
+const FEWEST: f64 = 30.0;
 
 /// Estimates of b: the mean of I.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Normalisation {
-    /// Where each is from, its value and its standard error.
+    /// All of them.
     pub estimates: Vec<Estimate>,
 }
 
@@ -22,14 +30,38 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error.
     pub standard_error: f64,
+    /// It rests on so many samples, or units of chains, that a test makes sense.
+    #[serde(skip)]
+    is_testable: bool,
+}
+
+impl Estimate {
+    /// The mean of `count` uniform samples whose square has the integral `square`.
+    fn uniform(name: &'static str, value: f64, count: u64, square: f64) -> Self {
+        let count = count as f64;
+        Self {
+            name,
+            value,
+            standard_error: ((square - value * value).max(0.0) / count).sqrt(),
+            // n mean^2 / mean square: n if all samples are alike, the number of hits if all are.
+            is_testable: count * value * value > FEWEST * square,
+        }
+    }
+
+    /// p-value of the hypothesis that both have one mean; `None` if that cannot be tested.
+    fn differs_from(&self, other: &Self) -> Option<f64> {
+        let error = self.standard_error.hypot(other.standard_error);
+        let testable = self.is_testable && other.is_testable && error > 0.0 && error.is_finite();
+        testable.then(|| normal_two_sided((self.value - other.value) / error))
+    }
 }
 
 /// Compares b of the bootstrap, of the chains' large steps, of the chains' weights and of `plain`
-/// sampling (estimates by tile), and the weights tile by tile.
+/// sampling, and the weights tile by tile.
 pub fn normalisation(
     bootstrap: &Bootstrap,
     histories: &[History],
-    plain: &[Vec<f64>],
+    plain: &Plain,
     weighing: Weighing,
 ) -> (Normalisation, Vec<Check>) {
     let large = histories
@@ -37,59 +69,41 @@ pub fn normalisation(
         .fold(Moments::default(), |moments, history| {
             moments.merge(&history.counters.large_densities)
         });
-    // Samples of one size: of a long-tailed I the smaller one would as a rule seem too dark.
-    let count = (large.count as usize).min(bootstrap.densities.len());
-    let boot = &bootstrap.moments;
-    let beginning: Moments = bootstrap.densities[..count].iter().copied().collect();
-    let plain_total: Moments = plain.iter().map(|tiles| tiles.iter().sum()).collect();
-    let groups = plain.len().max(1);
-    let boot_groups: Moments = (0..groups)
-        .map(|i| bootstrap.part(i, groups).mean)
-        .collect();
-    let weights = Weights::new(histories, weighing, boot);
-    let total = weights.of(&|parts| parts.iter().sum());
-
-    let check = |name: &str, p_value| Check::new(Family::Normalisation, name, p_value);
-    let mut checks = Vec::new();
-    if large.count > 1 {
-        checks.push(check(
-            "b of bootstrap and large steps",
-            welch(&beginning, &large),
-        ));
-    }
-    if plain.len() > 1 {
-        checks.push(check(
-            "b of bootstrap and plain sampling",
-            welch(&boot_groups, &plain_total),
-        ));
-        checks.push(check(
-            "b of weights and plain sampling",
-            total.differs_from(&plain_total),
-        ));
-        let tile = |i: usize| {
-            let plain: Moments = plain.iter().map(|tiles| tiles[i]).collect();
-            weights.of(&|parts| parts[i]).differs_from(&plain)
-        };
-        let tiles: Vec<f64> = (0..TILES * TILES).map(tile).collect();
-        let least = holm(&tiles).into_iter().fold(1.0, f64::min);
-        checks.push(check("weights and plain sampling, tile by tile", least));
-    }
-    let estimate = |name, moments: &Moments| Estimate {
-        name,
-        value: moments.mean,
-        standard_error: moments.standard_error(),
+    let mut weights = Weights::new(histories, weighing, &bootstrap.moments);
+    let square = weights.of(&|part| part.square).value;
+    let uniform = |name, mean, count| Estimate::uniform(name, mean, count, square);
+    let boot = uniform("bootstrap", bootstrap.moments.mean, bootstrap.moments.count);
+    let large = uniform("large steps", large.mean, large.count);
+    weights.b_error = boot.standard_error;
+    let plain_total = uniform("plain sampling", plain.tiles.iter().sum(), plain.samples);
+    let weights_total = weights.of(&|part| part.light.iter().sum());
+    let tile = |i: usize| {
+        let squares = weights.of(&|part| part.squares[i]).value;
+        let plain = Estimate::uniform("plain sampling", plain.tiles[i], plain.samples, squares);
+        weights.of(&|part| part.light[i]).differs_from(&plain)
     };
-    let mut estimates = vec![
-        estimate("bootstrap", boot),
-        estimate("large steps", &large),
-        estimate("plain sampling", &plain_total),
+    let tiles: Vec<f64> = (0..TILES * TILES).filter_map(tile).collect();
+    let least = (!tiles.is_empty()).then(|| holm(&tiles).into_iter().fold(1.0, f64::min));
+    let tests = [
+        ("b of bootstrap and large steps", boot.differs_from(&large)),
+        (
+            "b of bootstrap and plain sampling",
+            boot.differs_from(&plain_total),
+        ),
+        (
+            "b of weights and plain sampling",
+            weights_total.differs_from(&plain_total),
+        ),
+        ("weights and plain sampling, tile by tile", least),
     ];
-    estimates.push(Estimate {
-        name: "weights",
-        value: total.value,
-        standard_error: total.standard_error,
-    });
-    (Normalisation { estimates }, checks)
+    let check = |(name, p_value): (&str, Option<f64>)| {
+        Some(Check::new(Family::Normalisation, name, p_value?))
+    };
+    let estimates = vec![boot, large, plain_total, weights_total];
+    (
+        Normalisation { estimates },
+        tests.into_iter().filter_map(check).collect(),
+    )
 }
 
 /// Estimates by the weights of chains in equilibrium: b/b_0 times the chain part, plus the large-step
@@ -98,61 +112,47 @@ struct Weights<'a> {
     units: Vec<&'a [History]>,
     chains: f64,
     b_0: f64,
-    b: &'a Moments,
-}
-
-struct Weighted {
-    value: f64,
-    standard_error: f64,
+    b: f64,
+    /// Standard error of b.
+    b_error: f64,
 }
 
 impl<'a> Weights<'a> {
-    fn new(histories: &'a [History], weighing: Weighing, b: &'a Moments) -> Self {
+    fn new(histories: &'a [History], weighing: Weighing, b: &Moments) -> Self {
         Self {
             units: histories.chunk_by(|a, b| a.sample == b.sample).collect(),
             chains: histories.len() as f64,
             b_0: weighing.b,
-            b,
+            b: b.mean,
+            b_error: b.standard_error(),
         }
     }
 
-    /// The estimate of what `value` takes from the tiles, and its standard error: that of the sum over
-    /// independent units, and that of b.
-    fn of(&self, value: &dyn Fn(&[f64]) -> f64) -> Weighted {
-        let refinement = self.b.mean / self.b_0;
+    /// The integral that `value` names. Its variance is that of the sum over independent units, and
+    /// that of b.
+    fn of(&self, value: &dyn Fn(&Integrals) -> f64) -> Estimate {
+        let refinement = self.b / self.b_0;
         let (mut sum, mut chain_sum) = (0.0, 0.0);
-        let per_unit: Vec<(f64, f64)> = self
-            .units
-            .iter()
-            .map(|unit| {
-                let part = |i: usize| unit.iter().map(|h| value(&h.tiles[i])).sum::<f64>();
-                let chain = part(0);
-                chain_sum += chain;
-                let total = refinement * chain + part(1);
-                sum += total;
-                (total, unit.len() as f64)
-            })
-            .collect();
+        let mut per_unit = Vec::with_capacity(self.units.len());
+        for unit in &self.units {
+            let part = |i: usize| unit.iter().map(|h| value(&h.integrals[i])).sum::<f64>();
+            let chain = part(0);
+            let total = refinement * chain + part(1);
+            chain_sum += chain;
+            sum += total;
+            per_unit.push((total, unit.len() as f64));
+        }
         let mean = sum / self.chains;
         let squares: f64 = per_unit.iter().map(|(t, n)| (t - n * mean).powi(2)).sum();
+        let second: f64 = per_unit.iter().map(|(t, _)| t * t).sum();
         let units = self.units.len() as f64;
         let of_units = squares * units / (units - 1.0) / (self.chains * self.chains);
-        let of_b = (chain_sum / self.chains / self.b_0 * self.b.standard_error()).powi(2);
-        Weighted {
+        let of_b = (chain_sum / self.chains / self.b_0 * self.b_error).powi(2);
+        Estimate {
+            name: "weights",
             value: mean,
             standard_error: (of_units + of_b).sqrt(),
-        }
-    }
-}
-
-impl Weighted {
-    /// p-value of the hypothesis that `plain` has the same mean. 1 where neither varies.
-    fn differs_from(&self, plain: &Moments) -> f64 {
-        let error = self.standard_error.hypot(plain.standard_error());
-        if error > 0.0 && error.is_finite() {
-            normal_two_sided((self.value - plain.mean) / error)
-        } else {
-            1.0
+            is_testable: sum * sum > FEWEST * second,
         }
     }
 }

@@ -16,8 +16,27 @@ pub const TECHNIQUES: usize = 64;
 pub struct Observation {
     /// What the brightest of its paths is like.
     pub features: Features,
-    /// The parts of its density, which is their sum, with the tile in which each lands.
+    /// The parts of its density, which is their sum, by the tile in which they land; each tile once.
     pub light: Vec<(usize, f64)>,
+}
+
+impl Observation {
+    /// Adds light to a tile.
+    pub fn add(&mut self, tile: usize, light: f64) {
+        match self.light.iter_mut().find(|(known, _)| *known == tile) {
+            Some((_, sum)) => *sum += light,
+            None => self.light.push((tile, light)),
+        }
+    }
+}
+
+/// What uniform points of the hypercube give, without a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plain {
+    /// Number of points.
+    pub samples: u64,
+    /// Mean of I over them, by tile.
+    pub tiles: Vec<f64>,
 }
 
 /// Numbers that describe a state.
@@ -59,6 +78,44 @@ impl Features {
     pub const CELLS: usize = TILES * TILES / 4 * TECHNIQUES;
 }
 
+/// A number that chains are followed by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// log I(u).
+    LogDensity,
+    /// Where the camera subpath begins on the film.
+    FilmX,
+    /// The same, downwards.
+    FilmY,
+    /// Length of the path in edges.
+    Length,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::LogDensity, Self::FilmX, Self::FilmY, Self::Length];
+
+    /// What it is called in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LogDensity => "log I",
+            Self::FilmX => "film x",
+            Self::FilmY => "film y",
+            Self::Length => "path length",
+        }
+    }
+
+    /// Its value in a state.
+    pub fn of(self, state: &Features) -> f64 {
+        match self {
+            Self::LogDensity => state.log_density,
+            Self::FilmX => state.coordinates[0],
+            Self::FilmY => state.coordinates[1],
+            Self::Length => state.length,
+        }
+    }
+}
+
 /// The tile of a place in a rectangle of `size`.
 pub fn tile_at(place: [f64; 2], size: [f64; 2]) -> usize {
     let index = |i: usize| ((place[i] / size[i] * TILES as f64) as usize).min(TILES - 1);
@@ -73,9 +130,8 @@ pub trait Subject: Sync {
     /// A target to be used by one thread.
     fn target(&self) -> Self::Target;
 
-    /// What is plainly sampled, without a chain: independent estimates of the integral of I over
-    /// each tile. Their sum over all tiles estimates b. One vector for each estimate.
-    fn plain(&self, seed: u64) -> Vec<Vec<f64>>;
+    /// Samples the target plainly, by other means than the chains as far as that can be.
+    fn plain(&self, seed: u64) -> Plain;
 
     /// Small steps of the chains.
     fn small_step(&self) -> SmallStep {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::history::History;
-use super::observation::{Features, Subject, TILES};
+use super::observation::{Features, Quantity, Subject, TILES};
 use crate::markov::{Bootstrap, Chain, ChainCounters};
 use crate::math::seeds;
 use crate::statistics::{
@@ -131,15 +131,10 @@ pub fn quality<S: Subject>(
     histories.iter().for_each(|h| counters.merge(&h.counters));
 
     let traces: Vec<&[Features]> = runs.iter().map(|(states, _)| &**states).collect();
-    let log_densities = values(&traces, &|f| f.log_density);
-    let quantities: [(&str, &dyn Fn(&Features) -> f64); 4] = [
-        ("log I", &|f| f.log_density),
-        ("film x", &|f| f.coordinates[0]),
-        ("film y", &|f| f.coordinates[1]),
-        ("path length", &|f| f.length),
-    ];
-    let mixing = |(name, value): (&'static str, &dyn Fn(&Features) -> f64)| {
-        Mixing::of(name, &values(&traces, value), seconds)
+    let log_densities = values(&traces, |f| Quantity::LogDensity.of(f));
+    let mixing = |quantity: Quantity| {
+        let chains = values(&traces, |f| quantity.of(f));
+        Mixing::of(quantity.name(), &chains, seconds)
     };
     let lag = (steps as usize / LAGS).max(1);
     Quality {
@@ -147,7 +142,7 @@ pub fn quality<S: Subject>(
         steps,
         starts: starts.len(),
         seconds,
-        quantities: quantities.into_iter().map(mixing).collect(),
+        quantities: Quantity::ALL.into_iter().map(mixing).collect(),
         tiles: (0..TILES * TILES)
             .into_par_iter()
             .map(|tile| TileMixing::of(tile, &traces))
@@ -165,10 +160,10 @@ pub fn quality<S: Subject>(
     }
 }
 
-fn values(traces: &[&[Features]], value: &dyn Fn(&Features) -> f64) -> Vec<Vec<f64>> {
+fn values(traces: &[&[Features]], value: impl Fn(&Features) -> f64) -> Vec<Vec<f64>> {
     traces
         .iter()
-        .map(|states| states.iter().map(value).collect())
+        .map(|states| states.iter().map(&value).collect())
         .collect()
 }
 
@@ -231,7 +226,7 @@ impl Mixing {
 
 impl TileMixing {
     fn of(tile: usize, traces: &[&[Features]]) -> Self {
-        let inside = values(traces, &|f| f64::from(u8::from(f.tile == tile)));
+        let inside = values(traces, |f| f64::from(u8::from(f.tile == tile)));
         let steps: usize = inside.iter().map(Vec::len).sum();
         Self {
             share: inside.iter().flatten().sum::<f64>() / steps as f64,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::check::{Check, Family};
 use super::history::{History, LOOKS, Transition};
 use super::invariance::count_steps;
-use super::observation::{Features, Observation, Subject, TILES};
+use super::observation::{Features, Observation, Quantity, Subject, TILES};
 use super::starts::{Start, Starts};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Chain, Target};
@@ -22,20 +22,23 @@ const DENSITY_CELLS: usize = 8;
 pub fn symmetry(fresh: &[Features], histories: &[History]) -> Vec<Check> {
     let bounds = density_bounds(fresh);
     let density_cell = |f: &Features| bounds.partition_point(|&bound| bound <= f.log_density);
-    let cells: [(&str, usize, &dyn Fn(&Features) -> usize); 2] = [
-        ("log I", DENSITY_CELLS, &density_cell),
-        ("tile", TILES * TILES / 4, &Features::block),
-    ];
     let mut checks = Vec::new();
     for (i, step) in [1, LOOKS[LOOKS.len() - 1]].into_iter().enumerate() {
         for (kind, large) in [("small", false), ("large", true)] {
-            for (what, count, cell) in cells {
-                let steps = histories.iter().map(|h| &h.transitions[i]);
-                let table = table(steps.filter(|t| t.large == large), count, cell);
+            let steps = || {
+                let all = histories.iter().map(|h| &h.transitions[i]);
+                all.filter(move |t| t.large == large)
+            };
+            let mut check = |what: &str, table: &[Vec<u64>]| {
                 let name = format!("Bowker, {kind} steps, {what}, step {step}");
-                let p_value = bowker(&table).p_value;
-                checks.push(Check::new(Family::Reversibility, name, p_value));
-            }
+                checks.push(Check::new(
+                    Family::Reversibility,
+                    name,
+                    bowker(table).p_value,
+                ));
+            };
+            check("log I", &table(steps(), DENSITY_CELLS, density_cell));
+            check("tile", &table(steps(), TILES * TILES / 4, Features::block));
         }
     }
     checks
@@ -51,7 +54,7 @@ fn density_bounds(fresh: &[Features]) -> Vec<f64> {
 fn table<'a>(
     transitions: impl Iterator<Item = &'a Transition>,
     cells: usize,
-    cell: &dyn Fn(&Features) -> usize,
+    cell: impl Fn(&Features) -> usize,
 ) -> Vec<Vec<u64>> {
     let mut table = vec![vec![0; cells]; cells];
     for transition in transitions {
@@ -100,14 +103,13 @@ pub fn ranks<S: Subject>(
             rank(start, &others, &mut rng)
         })
         .collect();
-    let names = ["log I", "film x", "film y", "path length"];
-    let check = |(i, what): (usize, &str)| {
+    let check = |(i, quantity): (usize, Quantity)| {
         let of_one: Vec<usize> = ranked.iter().map(|ranks| ranks[i]).collect();
         let reach = count_steps((RANKED * STRIDE) as u64);
-        let name = format!("rank of the start's {what} within {reach}");
+        let name = format!("rank of the start's {} within {reach}", quantity.name());
         Check::new(Family::Ranks, name, rank_uniformity(&of_one, RANKED))
     };
-    names.into_iter().enumerate().map(check).collect()
+    Quantity::ALL.into_iter().enumerate().map(check).collect()
 }
 
 fn walk<T: Target<Contribution = Observation>>(
@@ -125,14 +127,8 @@ fn walk<T: Target<Contribution = Observation>>(
 }
 
 fn rank(start: &Start, others: &[Features], rng: &mut Xoshiro256PlusPlus) -> [usize; 4] {
-    let values: [&dyn Fn(&Features) -> f64; 4] = [
-        &|f| f.log_density,
-        &|f| f.coordinates[0],
-        &|f| f.coordinates[1],
-        &|f| f.length,
-    ];
-    values.map(|value| {
-        let others: Vec<f64> = others.iter().map(value).collect();
-        rank_among(value(&start.features), &others, rng)
+    Quantity::ALL.map(|quantity| {
+        let others: Vec<f64> = others.iter().map(|state| quantity.of(state)).collect();
+        rank_among(quantity.of(&start.features), &others, rng)
     })
 }

@@ -270,7 +270,7 @@ pub fn join(
         .sum(heuristic, from_y, f64::from(at_z.pdf_reverse));
     let mut weight = weight(light, camera);
     if planted(Fault::WeightOff) {
-        weight *= 1.05;
+        weight *= 1.2;
     }
     Some(Connection {
         value,

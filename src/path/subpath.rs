@@ -6,6 +6,7 @@ use super::dimensions;
 use super::endpoint::Escape;
 use super::mis::{Carried, Heuristic};
 use super::vertex::Vertex;
+use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, Rgb, Stream};
 use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
 
@@ -256,7 +257,7 @@ impl Walk<'_> {
         let direction = surface.shading.to_world(sample.direction);
         let cos = surface.geometric_normal.dot(direction).abs();
         let mut weight = sample.weight;
-        if self.mode == TransportMode::Importance {
+        if self.mode == TransportMode::Importance && !planted(Fault::AdjointLeftOut) {
             // Adjoint for shading normals (Veach 1997, eq. 5.19).
             let sampled = if sample.direction.z == 0.0 {
                 0.0

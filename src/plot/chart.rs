@@ -7,7 +7,11 @@ use plotters::prelude::*;
 use super::{PlotError, series_color};
 
 /// Size of one chart, in pixels of the SVG.
-const SIZE: (u32, u32) = (520, 400);
+const SIZE: (u32, u32) = (520, 440);
+
+/// Height of a line of the legend, and where it begins.
+const LEGEND_LINE: i32 = 17;
+const LEGEND_LEFT: i32 = 74;
 
 /// How numbers are laid out along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,6 +132,11 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Chart {
     fn draw_on(&self, area: &Area) -> Result<(), PlotError> {
+        let legend = self.labelled().count() as i32 * LEGEND_LINE;
+        let height = area.dim_in_pixel().1 as i32 - legend - LEGEND_LINE / 2;
+        let (area, below) = area.split_vertically(height);
+        self.draw_legend(&below)?;
+        let area = &area;
         let points = || self.series.iter().flat_map(|s| &s.points);
         let band = || self.series.iter().flat_map(|s| &s.band);
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
@@ -178,16 +187,6 @@ impl Chart {
         for series in &self.series {
             self.draw_series(&mut chart, series)?;
         }
-        if self.series.iter().any(|s| !s.label.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 12))
-                .draw()
-                .map_err(PlotError::new)?;
-        }
         Ok(())
     }
 
@@ -236,13 +235,34 @@ impl Chart {
                 chart.draw_series(bars)
             }
         };
-        let drawn = drawn.map_err(PlotError::new)?;
-        if !series.label.is_empty() {
-            drawn.label(&series.label).legend(move |(x, y)| {
-                PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2))
-            });
+        drawn.map(|_| ()).map_err(PlotError::new)
+    }
+
+    /// A line of its mark and its label for each series that has one.
+    fn draw_legend(&self, area: &Area) -> Result<(), PlotError> {
+        let style = ("sans-serif", 12).into_text_style(area);
+        for (i, series) in self.labelled().enumerate() {
+            let y = i as i32 * LEGEND_LINE + 7;
+            let [r, g, b] = series_color(series.color);
+            let color = RGBColor(r, g, b);
+            let from = LEGEND_LEFT;
+            let strokes: &[[i32; 2]] = match series.mark {
+                Mark::Dashes => &[[0, 7], [11, 18]],
+                Mark::Line | Mark::Dots | Mark::Bars => &[[0, 18]],
+            };
+            for &[a, b] in strokes {
+                let stroke =
+                    PathElement::new([(from + a, y), (from + b, y)], color.stroke_width(2));
+                area.draw(&stroke).map_err(PlotError::new)?;
+            }
+            area.draw_text(&series.label, &style, (from + 26, y - 6))
+                .map_err(PlotError::new)?;
         }
         Ok(())
+    }
+
+    fn labelled(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().filter(|series| !series.label.is_empty())
     }
 }
 
@@ -306,7 +326,7 @@ mod tests {
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         let png = super::super::rasterize(&svg, 0.5).unwrap();
         let image = image::load_from_memory(&png).unwrap();
-        assert_eq!((image.width(), image.height()), (1040, 1000));
+        assert_eq!((image.width(), image.height()), (1040, 1100));
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use metrolight::convergence::{Cost, Curve, Outcome, Variant, comparison, convergence_chart};
+use metrolight::convergence::{
+    Cost, Curve, Measure, Outcome, Variant, comparison, convergence_chart,
+};
 use metrolight::film::{Image, check_writable, replace_file, write_exr, write_png};
 use metrolight::plot::rasterize;
 use miette::IntoDiagnostic;
@@ -101,9 +103,10 @@ impl Files {
                 "label": variant.label,
                 "integrator": variant.settings.integrator,
                 "image": self.stems[i],
-                "slope": curves[i].slope(Cost::Seconds),
-                "comparison": comparison(variants, curves, i, Cost::Seconds),
-                "comparison_by_rays": comparison(variants, curves, i, Cost::Rays),
+                "slope": curves[i].slope(Cost::Seconds, Measure::Whole),
+                "comparison": comparison(variants, curves, i, (Cost::Seconds, Measure::Whole)),
+                "comparison_trimmed": comparison(variants, curves, i, (Cost::Seconds, Measure::Trimmed)),
+                "comparison_by_rays": comparison(variants, curves, i, (Cost::Rays, Measure::Whole)),
                 "points": curves[i].points,
             })
         };
@@ -174,7 +177,7 @@ pub fn summary(variants: &[Variant], curves: &[Curve]) -> String {
     let width = variants.iter().map(|v| v.label.len()).max().unwrap_or(0);
     let line = |(i, variant): (usize, &Variant)| {
         let end = curves[i].end()?;
-        let said = comparison(variants, curves, i, Cost::Seconds);
+        let said = comparison(variants, curves, i, (Cost::Seconds, Measure::Whole));
         let said = said.map_or_else(String::new, |said| format!("; {said}"));
         Some(format!(
             "{:width$}  relMSE {} ({} to {}), without the worst 0.1% {}, after {:.1} s{said}",

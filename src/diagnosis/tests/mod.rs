@@ -11,7 +11,8 @@ use crate::markov::BootstrapLimits;
 use crate::render::Unobserved;
 use targets::Analytic;
 
-/// An effort for quick runs: `chains` chains, 2^`bootstrap` samples for b.
+/// An effort for quick runs: `chains` chains, 2^`bootstrap` samples for b, and so few permutations that
+/// corrected p-values of the maximum mean discrepancy stay above 1/40.
 fn effort(seed: u64, chains: usize, bootstrap: u32) -> Effort {
     let samples = 1 << bootstrap;
     Effort {
@@ -24,6 +25,7 @@ fn effort(seed: u64, chains: usize, bootstrap: u32) -> Effort {
             at_most: samples,
             relative_error: 0.0,
         },
+        permutations: 2000,
         ..Effort::default()
     }
 }

@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::{Analytic, checks, effort};
-use crate::diagnosis::{TILES, tile_at};
+use crate::diagnosis::{Effort, TILES, tile_at};
 use crate::fault::{self, Fault};
 use crate::integrators::{Sampler, Splats, Workspace};
 use crate::markov::{LazyPoint, SmallStep};
@@ -20,14 +20,15 @@ const ALPHA: f64 = 1e-3;
 
 /// Runs of each fault in the quick form and in the long one. If all of 300 reject, the power is above
 /// 0.99 with a confidence of 95%.
-const QUICK: u64 = 12;
+const QUICK: u64 = 6;
 const LONG: u64 = 300;
 
 /// Where a fault is looked for.
 #[derive(Clone, Copy, Debug)]
 enum Hunt {
-    /// By `diagnose`, on a target, with so many chains and 2^n samples for b.
-    Chains(Analytic, usize, u32),
+    /// By `diagnose`: the probability of a large step, a target, the number of chains, and n for 2^n
+    /// samples for b.
+    Chains(f32, Analytic, usize, u32),
     /// By the law of a coordinate that was not read for some steps.
     LazySteps,
     /// By Welch's test per tile, with so many samples, between two path samplers.
@@ -37,17 +38,17 @@ enum Hunt {
 const HUNTS: [(Fault, Hunt, &str); 13] = [
     (
         Fault::Clamped,
-        Hunt::Chains(Analytic::Ramp, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ramp, 1000, 14),
         "clamp instead of wrap",
     ),
     (
         Fault::Asymmetric,
-        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
         "asymmetric step",
     ),
     (
         Fault::NotRestored,
-        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
         "no restore on reject",
     ),
     (
@@ -57,56 +58,60 @@ const HUNTS: [(Fault, Hunt, &str); 13] = [
     ),
     (
         Fault::InvertedRatio,
-        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
         "inverted ratio",
     ),
     (
         Fault::UnclippedWeights,
-        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
         "acceptance not clipped in the weights",
     ),
     (
         Fault::ForcedAcceptance,
-        Hunt::Chains(Analytic::Islands, 1000, 14),
+        Hunt::Chains(0.9, Analytic::Islands, 1000, 14),
         "forced acceptance after 8 rejections",
     ),
     (
         Fault::OtherLargeStepProbability,
-        Hunt::Chains(Analytic::Ridge, 1000, 16),
+        Hunt::Chains(0.3, Analytic::Swell, 1000, 16),
         "p_large in the weights 20% off",
     ),
     (
         Fault::TechniqueCountLeftOut,
-        Hunt::Chains(Analytic::Multiplexed, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Multiplexed, 1000, 14),
         "technique count left out of the multiplexed density",
     ),
     (
         Fault::SharedNumbers,
-        Hunt::Chains(Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
         "chains sharing random numbers",
     ),
     (
         Fault::NormalisationOff,
-        Hunt::Chains(Analytic::Swell, 1000, 18),
+        Hunt::Chains(0.3, Analytic::Swell, 1000, 18),
         "b off by 1%",
     ),
     (
         Fault::AdjointLeftOut,
-        Hunt::Images([Sampler::Path, Sampler::Light], 1 << 16),
+        Hunt::Images([Sampler::Path, Sampler::Light], 1 << 18),
         "adjoint factor left out",
     ),
     (
         Fault::WeightOff,
-        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 17),
-        "a MIS weight 5% off",
+        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 18),
+        "a MIS weight 20% off",
     ),
 ];
 
 /// The least corrected p-value of a run, and the test that it is of.
 fn least(hunt: Hunt, seed: u64) -> (f64, String) {
     match hunt {
-        Hunt::Chains(target, chains, bootstrap) => {
-            let checks = checks(target, &effort(seed, chains, bootstrap));
+        Hunt::Chains(large_step_probability, target, chains, bootstrap) => {
+            let effort = Effort {
+                large_step_probability,
+                ..effort(seed, chains, bootstrap)
+            };
+            let checks = checks(target, &effort);
             let least = checks
                 .into_iter()
                 .min_by(|a, b| a.p_value.total_cmp(&b.p_value));
@@ -124,10 +129,10 @@ fn least(hunt: Hunt, seed: u64) -> (f64, String) {
     }
 }
 
-/// How a coordinate has moved that was left alone for 3 steps, and then read; against 4 steps that
-/// were all made. 2000 of each.
+/// How a coordinate has moved that was left alone for one step, and then read; against two steps that
+/// were both made. 4000 of each.
 fn lazy_steps(seed: u64) -> f64 {
-    const LEFT_ALONE: usize = 3;
+    const LEFT_ALONE: usize = 1;
     let step = SmallStep::default();
     let moved = |lazy: bool| -> Vec<f64> {
         let part = seeds::part(seed, u64::from(lazy));
@@ -147,13 +152,13 @@ fn lazy_steps(seed: u64) -> f64 {
             let [value] = point.read(Stream::Light, 0);
             value
         };
-        (0..2000).map(|_| f64::from(run())).collect()
+        (0..4000).map(|_| f64::from(run())).collect()
     };
     kolmogorov_smirnov(&moved(true), &moved(false))
 }
 
-/// Corrected least p-value of Welch's tests between the tiles of two samplers' images of a scene with
-/// refraction and tilted shading normals.
+/// Corrected least p-value of Welch's tests between the tiles of two samplers' images of a floor that
+/// is lit by way of a square with tilted shading normals.
 fn images(seed: u64, samplers: [Sampler; 2], samples: u64) -> f64 {
     let scene = adjoint_scene();
     let [a, b] = [0, 1].map(|i| tiles(&scene, samplers[i], seeds::part(seed, i as u64), samples));
@@ -164,7 +169,14 @@ fn images(seed: u64, samplers: [Sampler; 2], samples: u64) -> f64 {
 fn adjoint_scene() -> Scene {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/adjoint.xml");
     let loaded = crate::mitsuba::load(&path, &[]).expect("a scene of the tests");
-    loaded.description.build().expect("a scene of the tests")
+    let mut description = loaded.description;
+    // The last shapes are the water and a lamp outside of it, which a path tracer seldom meets: means of
+    // what is rare and bright are far from normal, and Welch's test raises false alarms.
+    let lamp = description.shapes.pop();
+    assert!(lamp.is_some_and(|shape| shape.emission.is_some()));
+    let water = description.shapes.pop();
+    assert!(water.is_some_and(|shape| shape.emission.is_none()));
+    description.build().expect("a scene of the tests")
 }
 
 /// Moments of the light of each tile, over batches of uniform samples of the hypercube.
@@ -222,7 +234,7 @@ fn every_planted_fault_is_found() {
     }
 }
 
-/// Without a fault the same runs do not reject: of 13 x 12 of them one may, with probability 0.15.
+/// Without a fault the same runs do not reject: of 13 x 6 of them one may, with probability 0.08.
 #[test]
 fn no_fault_is_found_where_there_is_none() {
     let found = HUNTS.map(|(_, hunt, _)| rejections(None, hunt, QUICK).0);

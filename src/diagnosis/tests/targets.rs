@@ -1,12 +1,12 @@
 //! Targets whose distribution is known.
 
-use crate::diagnosis::{COORDINATES, Features, Observation, Subject, TILES, tile_at};
+use crate::diagnosis::{COORDINATES, Features, Observation, Plain, Subject, TILES, tile_at};
 use crate::fault::{Fault, planted};
-use crate::markov::{Target, bootstrap::sample_generator};
-use crate::math::{Coordinates, FreshCoordinates, Stream, seeds};
+use crate::markov::{SmallStep, Target, bootstrap::sample_generator};
+use crate::math::{Coordinates, FreshCoordinates, Stream};
 
-/// Plain estimates that chains are compared with, and samples of each.
-const PLAIN: [u64; 2] = [32, 1 << 12];
+/// Plain samples that chains are compared with.
+const PLAIN: u64 = 1 << 17;
 
 /// A density I on the hypercube.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ impl Target for Analytic {
             coordinates,
         };
         out.light.clear();
-        out.light.push((tile, density));
+        out.add(tile, density);
         density
     }
 }
@@ -118,24 +118,31 @@ impl Subject for Analytic {
         *self
     }
 
+    /// Steps long enough on the ramp that its end matters.
+    fn small_step(&self) -> SmallStep {
+        match self {
+            Self::Ramp => SmallStep::new(1.0 / 64.0, 0.25),
+            _ => SmallStep::default(),
+        }
+    }
+
     /// Of a multiplexed target, with all techniques at every place.
-    fn plain(&self, seed: u64) -> Vec<Vec<f64>> {
-        let [estimates, samples] = PLAIN;
+    fn plain(&self, seed: u64) -> Plain {
         let mut target = *self;
         let mut out = Observation::default();
-        let mut estimate = |part: u64| {
-            let mut tiles = vec![0.0; TILES * TILES];
-            for i in 0..samples {
-                let rng = sample_generator(seeds::part(seed, part), i);
-                let mut density = target.evaluate(&mut FreshCoordinates::new(rng), &mut out);
-                if *self == Self::Multiplexed {
-                    let [x, y, ..] = out.features.coordinates;
-                    density = techniques(x, y).iter().sum();
-                }
-                tiles[out.features.tile] += density / samples as f64;
+        let mut tiles = vec![0.0; TILES * TILES];
+        for i in 0..PLAIN {
+            let rng = sample_generator(seed, i);
+            let mut density = target.evaluate(&mut FreshCoordinates::new(rng), &mut out);
+            if *self == Self::Multiplexed {
+                let [x, y, ..] = out.features.coordinates;
+                density = techniques(x, y).iter().sum();
             }
-            tiles
-        };
-        (0..estimates).map(&mut estimate).collect()
+            tiles[out.features.tile] += density / PLAIN as f64;
+        }
+        Plain {
+            samples: PLAIN,
+            tiles,
+        }
     }
 }
