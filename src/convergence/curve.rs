@@ -132,20 +132,19 @@ impl Curve {
         (variance > 0.0).then(|| covariance / variance)
     }
 
-    /// The cost at which the error is first `error` or less, straight lines between measurements in
-    /// logarithms of both. `None` without measurements.
+    /// The cost from which on the error is `error` or less, straight lines between measurements in
+    /// logarithms of both. From which on: an error that rises again, as when a chain stays in one
+    /// state, had not been reached. `None` without measurements.
     pub fn reaches(&self, error: f64, cost: Cost, measure: Measure) -> Option<Reached> {
-        let first = self.points.first()?;
-        if first.error(measure) <= error {
-            return Some(Reached::Before(first.cost(cost)));
+        let end = self.end()?.error(measure);
+        if end > error {
+            return Some(Reached::Never(end / error));
         }
-        let crossing = self
-            .points
-            .windows(2)
-            .find(|pair| pair[1].error(measure) <= error);
-        let Some([a, b]) = crossing else {
-            return Some(Reached::Never(self.end()?.error(measure) / error));
+        let above = self.points.iter().rposition(|p| p.error(measure) > error);
+        let Some(above) = above else {
+            return Some(Reached::Before(self.points.first()?.cost(cost)));
         };
+        let [a, b] = [&self.points[above], &self.points[above + 1]];
         let share = (a.error(measure) / error).ln() / (a.error(measure) / b.error(measure)).ln();
         let [from, to] = [a, b].map(|p| p.cost(cost));
         Some(Reached::At(from * (to / from).powf(share)))
@@ -223,6 +222,13 @@ mod tests {
             panic!("1/128 is beyond the end");
         };
         assert!((ratio - 2.0).abs() < 1e-3);
+        // Up again in the middle, and down again.
+        let mut humped = one_over_time();
+        humped.points[4].relative_mse = 0.5;
+        let Some(Reached::At(seconds)) = humped.reaches(0.1, Cost::Seconds, Measure::Whole) else {
+            panic!("0.1 is reached for good after 16 s");
+        };
+        assert!((16.0..32.0).contains(&seconds), "{seconds}");
         assert_eq!(
             Curve::default().reaches(1.0, Cost::Rays, Measure::Whole),
             None
