@@ -9,8 +9,8 @@ use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
 use super::reference::Reference;
+use crate::commands::figures::digits;
 use crate::commands::output;
-use crate::commands::report::digits;
 
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
