@@ -10,6 +10,7 @@ use metrolight::film::{AnnotatedImage, AttributeValue, Decode, Image, read_annot
 use serde::Serialize;
 
 use super::folder::Folder;
+use super::sections::short;
 use crate::commands::render::print_warnings;
 
 /// Most pixels of all images of a page together: 8 bytes each, 32 MiB of text. Beyond it all images
@@ -86,7 +87,7 @@ fn shown(stem: String, image: AnnotatedImage) -> Found {
     let attributes = image.attributes.iter().filter_map(|(name, value)| {
         let value = match value {
             AttributeValue::Text(text) => text.clone(),
-            AttributeValue::Number(number) => number.to_string(),
+            AttributeValue::Number(number) => short(*number),
         };
         Some((name.strip_prefix(OURS)?.to_owned(), value))
     });

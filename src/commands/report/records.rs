@@ -31,14 +31,14 @@ pub struct Variant {
     pub points: Vec<Point>,
 }
 
-/// A point of the line.
+/// A point of the line. JSON has no number for an error that is infinite, as against a black reference.
 #[derive(Deserialize)]
 pub struct Point {
     pub seconds: f64,
     pub rays: f64,
-    pub relative_mse: f64,
-    pub spread: [f64; 2],
-    pub relative_mse_trimmed: f64,
+    pub relative_mse: Option<f64>,
+    pub spread: [Option<f64>; 2],
+    pub relative_mse_trimmed: Option<f64>,
 }
 
 /// `diagnose.json`, without the diagnosis itself, which `diagnose.txt` has in tables.

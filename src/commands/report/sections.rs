@@ -52,7 +52,20 @@ fn plain(value: &Value) -> String {
         Value::Null => "none".into(),
         Value::String(text) => text.clone(),
         Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(", "),
-        value => value.to_string(),
+        Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
+            Some(number) => short(number),
+            None => number.to_string(),
+        },
+        Value::Bool(_) | Value::Object(_) => value.to_string(),
+    }
+}
+
+/// A number to seven digits; whole numbers to the last.
+pub fn short(number: f64) -> String {
+    match number.abs() {
+        size if size < 1e15 && number.fract() == 0.0 => number.to_string(),
+        size if (1e-4..1e9).contains(&size) => (number as f32).to_string(),
+        _ => format!("{number:.6e}"),
     }
 }
 
@@ -108,6 +121,10 @@ pub fn convergence(folder: &Folder) -> miette::Result<Option<ConvergenceSection>
     )
 }
 
+fn error(error: Option<f64>) -> String {
+    error.map_or("infinite".into(), digits)
+}
+
 fn convergence_table(record: Convergence) -> ConvergenceTable {
     let rows = record.variants.iter().filter_map(|variant| {
         let end = variant.points.last()?;
@@ -116,9 +133,9 @@ fn convergence_table(record: Convergence) -> ConvergenceTable {
             label: variant.label.clone(),
             seconds: format!("{:.1}", end.seconds),
             rays: quantity(end.rays),
-            relative_mse: digits(end.relative_mse),
-            spread: end.spread.map(digits).join(" to "),
-            trimmed: digits(end.relative_mse_trimmed),
+            relative_mse: error(end.relative_mse),
+            spread: end.spread.map(error).join(" to "),
+            trimmed: error(end.relative_mse_trimmed),
             slope: variant.slope.map_or("-".into(), |s| format!("{s:.2}")),
             comparisons: comparisons.into_iter().flatten().cloned().collect(),
         })
@@ -309,4 +326,23 @@ pub fn origin(found: &Found) -> Option<Facts> {
         heading: format!("{}.exr", found.stem),
         rows: found.attributes.clone(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (20.0, "20"),
+            (-4_194_304.0, "-4194304"),
+            (f64::from(0.3f32), "0.3"),
+            (530_502.175_543, "530502.2"),
+            (1.5e-9, "1.500000e-9"),
+            (1e300, "1.000000e300"),
+        ] {
+            assert_eq!(short(number), expected);
+        }
+    }
 }

@@ -150,7 +150,7 @@
 
   const layout = () => {
     const image = chosen("left");
-    view.style.aspectRatio = `${image.width} / ${image.height}`;
+    view.style.setProperty("--shape", image.width / image.height);
     place();
   };
 
