@@ -79,6 +79,14 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
             "{file}"
         );
     }
+    // The image of the error is the one that `compare` makes.
+    place
+        .run("compare chart/path.exr truth.exr -o compared")
+        .assert()
+        .success();
+    let [ours, theirs] = ["chart/path-error.png", "compared/error.png"];
+    let [ours, theirs] = [ours, theirs].map(|name| fs::read(place.path(name)).expect("a file"));
+    assert_eq!(ours, theirs);
 }
 
 #[test]

@@ -6,8 +6,8 @@ use metrolight::film::Filter;
 use metrolight::integrators::{Sampler, lost_light};
 use metrolight::scene::{Material, Scene};
 
+use super::figures::quantity;
 use super::render::{opening, print_warnings};
-use super::report::quantity;
 use super::source::SceneArgs;
 use super::{Outcome, say};
 

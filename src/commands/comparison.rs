@@ -169,12 +169,12 @@ impl Comparison<'_> {
         reference: &Image,
         report: &serde_json::Value,
     ) -> miette::Result<()> {
+        let flip = self.flip_map(image.width).into_diagnostic()?;
         let maps = [
-            (FILES[0], relative_map(image, reference)),
-            (FILES[1], self.flip_map(image.width)),
+            (FILES[0], relative_map(image, reference)?),
+            (FILES[1], rasterize(&flip, 1.0).into_diagnostic()?),
         ];
-        for (name, svg) in maps {
-            let png = rasterize(&svg.into_diagnostic()?, 1.0).into_diagnostic()?;
+        for (name, png) in maps {
             write(&directory.join(name), &png).into_diagnostic()?;
         }
         let json = format!("{report:#}\n");
@@ -192,7 +192,8 @@ impl Comparison<'_> {
     }
 }
 
-fn relative_map(image: &Image, reference: &Image) -> Result<String, PlotError> {
+/// The relative error of each pixel in false colours, with a scale, as a PNG file's bytes.
+pub fn relative_map(image: &Image, reference: &Image) -> miette::Result<Vec<u8>> {
     let lines = [
         "Relative error of each pixel",
         "|x - r| / sqrt(r^2 + 0.01 m^2), r the reference and m its mean; RMS of the channels",
@@ -201,7 +202,8 @@ fn relative_map(image: &Image, reference: &Image) -> Result<String, PlotError> {
     let errors: Vec<f64> = errors.into_iter().map(on_scale).collect();
     let marks = SCALE.map(|(error, label)| (on_scale(error * error), label.into()));
     let picture = Picture::in_false_colors(image.width, &errors);
-    draw_with_scale(&lines, &picture, &marks)
+    let svg = draw_with_scale(&lines, &picture, &marks).into_diagnostic()?;
+    rasterize(&svg, 1.0).into_diagnostic()
 }
 
 fn exposures_text(flip: &Flip) -> String {
@@ -218,7 +220,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 /// Relative errors that are labelled on the scale of colours; the first is black and all below it, the
 /// last the brightest and all above it.
-const SCALE: [(f64, &str); 4] = [(0.001, "0.1%"), (0.01, "1%"), (0.1, "10%"), (1.0, "100%")];
+pub const SCALE: [(f64, &str); 4] = [(0.001, "0.1%"), (0.01, "1%"), (0.1, "10%"), (1.0, "100%")];
 
 /// The place of a squared relative error on the logarithmic scale, from 0 to 1.
 fn on_scale(squared: f64) -> f64 {

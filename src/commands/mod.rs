@@ -6,6 +6,7 @@ mod comparison;
 mod completions;
 mod converge;
 mod diagnose;
+mod figures;
 mod interrupt;
 mod output;
 mod progress;
@@ -54,6 +55,7 @@ enum Command {
     Converge(converge::Args),
     Diagnose(diagnose::Args),
     Replay(replay::Args),
+    Report(report::Args),
     Strategies(strategies::Args),
     Completions(completions::Args),
 }
@@ -87,6 +89,7 @@ pub fn run() -> miette::Result<Outcome> {
         Command::Converge(args) => converge::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Strategies(args) => strategies::run(args),
         Command::Completions(args) => Ok(completions::run(&args)),
     }

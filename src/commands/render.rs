@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, bail};
 use super::output::Outputs;
 use super::progress::Progress;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, interrupt, replay, report, say, tell, values};
+use super::{Outcome, figures, interrupt, replay, say, tell, values};
 
 /// Render a scene
 ///
@@ -207,10 +207,10 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         tell("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
     }
-    let report = report::json(&args.scene, &opened, &settings, &rendering, &warnings);
+    let report = figures::json(&args.scene, &opened, &settings, &rendering, &warnings);
     outputs.write(&rendering, &report.into_diagnostic()?)?;
     if !args.quiet {
-        say(report::summary(&outputs, &rendering));
+        say(figures::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
         tell("interrupted: the image holds what had been rendered by then");
@@ -267,8 +267,8 @@ impl Args {
 pub fn opening(opened: &Opened) -> String {
     format!(
         "loaded in {}, acceleration structure built in {}",
-        report::duration(opened.load_seconds),
-        report::duration(opened.build_seconds),
+        figures::duration(opened.load_seconds),
+        figures::duration(opened.build_seconds),
     )
 }
 

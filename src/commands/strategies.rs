@@ -18,7 +18,7 @@ use super::progress::Progress;
 use super::render::{opening, print_replays, print_warnings};
 use super::source::SceneArgs;
 use super::values::MaxDepth;
-use super::{Outcome, interrupt, output, report, say, tell, values};
+use super::{Outcome, figures, interrupt, output, say, tell, values};
 
 /// Show each technique (s, t) of bidirectional path tracing alone
 ///
@@ -373,8 +373,8 @@ fn summary(args: &Args, found: &Strategies, shares: &Shares) -> String {
             "wrote {directory}/weighted.png, unweighted.png, {JSON} and {} images: {width} x {height} \
              pixels, {} samples in {}",
             2 * found.images.len(),
-            report::quantity(statistics.samples as f64),
-            report::duration(statistics.render_seconds),
+            figures::quantity(statistics.samples as f64),
+            figures::duration(statistics.render_seconds),
         ),
         "share of the image's light by technique (s,t):".into(),
     ];

@@ -121,6 +121,17 @@ pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// A path that ends in `.html`.
+pub fn html_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("html") {
+        Ok(path)
+    } else {
+        Err("a name that ends in .html is needed".into())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,5 +196,6 @@ mod tests {
         assert!(define("a").is_err() && define("=b").is_err());
         assert!(exr_path("out/a.EXR").is_ok());
         assert!(exr_path("out/").is_err() && exr_path("a.png").is_err());
+        assert!(html_path("a.HTML").is_ok() && html_path("convergence.svg").is_err());
     }
 }

@@ -4,6 +4,7 @@
 pub mod compare;
 pub mod comparison;
 pub mod figures;
+pub mod page;
 pub mod reference;
 pub mod tiles;
 pub mod truths;

@@ -11,8 +11,9 @@ use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
 use super::reference::Reference;
+use crate::commands::comparison::relative_map;
+use crate::commands::figures::digits;
 use crate::commands::output;
-use crate::commands::report::digits;
 
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
@@ -74,7 +75,7 @@ impl Files {
         let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
         self.write_bytes("convergence.png", &png)?;
         for (stem, image) in self.stems.iter().zip(&outcome.images) {
-            self.write_images(stem, image)?;
+            self.write_images(stem, image, &reference.image)?;
         }
         let summary = self.summary_json(settings, reference, variants, curves, outcome);
         self.write_bytes("convergence.json", format!("{summary:#}\n").as_bytes())
@@ -85,9 +86,11 @@ impl Files {
         replace_file(&self.path(name), |writer| writer.write_all(bytes)).into_diagnostic()
     }
 
-    fn write_images(&self, stem: &str, image: &Image) -> miette::Result<()> {
+    fn write_images(&self, stem: &str, image: &Image, reference: &Image) -> miette::Result<()> {
         write_exr(&self.path(&format!("{stem}.exr")), image, &[], &[]).into_diagnostic()?;
-        write_png(&self.path(&format!("{stem}.png")), image).into_diagnostic()
+        write_png(&self.path(&format!("{stem}.png")), image).into_diagnostic()?;
+        let error = relative_map(image, reference)?;
+        self.write_bytes(&format!("{stem}-error.png"), &error)
     }
 
     fn summary_json(

@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, WrapErr, bail};
 
 use super::Progress;
 use super::files::Files;
-use crate::commands::report::{digits, duration, json};
+use crate::commands::figures::{digits, duration, json};
 use crate::commands::source::{Opened, SceneArgs};
 use crate::commands::{output, render::print_warnings};
 

@@ -98,7 +98,7 @@ const HUNTS: [(Fault, Hunt, &str); 13] = [
     ),
     (
         Fault::WeightOff,
-        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 18),
+        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 19),
         "a MIS weight 20% off",
     ),
 ];

@@ -1,0 +1,151 @@
+//! The directory that a report is about.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use metrolight::film::{Decode, read_image};
+use miette::miette;
+use serde::de::DeserializeOwned;
+
+/// What `report` takes.
+pub const NEEDED: &str =
+    "needed is a directory that converge, diagnose, compare, strategies or render wrote into";
+
+/// A larger picture is left out of the page.
+const MOST_PICTURE_BYTES: usize = 16 << 20;
+
+/// A directory with what commands left in it.
+pub struct Folder<'a> {
+    pub path: &'a Path,
+    /// Names of its files, sorted.
+    pub names: Vec<PathBuf>,
+}
+
+/// A picture as a page holds it.
+pub struct Figure {
+    /// The file in a data URI.
+    pub uri: String,
+    pub caption: String,
+}
+
+impl<'a> Folder<'a> {
+    /// Finds what is in the directory.
+    pub fn open(path: &'a Path) -> miette::Result<Self> {
+        let read = || {
+            let names = fs::read_dir(path)?.map(|entry| Ok(PathBuf::from(entry?.file_name())));
+            names.collect::<std::io::Result<Vec<_>>>()
+        };
+        let mut names = read().map_err(|error| {
+            let cause = match error.kind() {
+                ErrorKind::NotFound => "there is no such directory".into(),
+                ErrorKind::NotADirectory => "it is a file".into(),
+                _ => error.to_string(),
+            };
+            miette!("cannot read {}: {cause}; {NEEDED}", path.display())
+        })?;
+        names.sort();
+        Ok(Self { path, names })
+    }
+
+    /// The contents of a file; `None` if it is not in the directory, whatever lies elsewhere under
+    /// that path.
+    fn read(&self, name: &str) -> miette::Result<Option<Vec<u8>>> {
+        if !self.names.iter().any(|known| known.as_os_str() == name) {
+            return Ok(None);
+        }
+        let path = self.path.join(name);
+        let bytes = fs::read(&path);
+        let bytes = bytes.map_err(|error| miette!("cannot read {}: {error}", path.display()))?;
+        Ok(Some(bytes))
+    }
+
+    /// What is wrong with a file that `command` did not leave as it is.
+    fn broken(&self, name: &str, command: &str, cause: impl std::fmt::Display) -> miette::Report {
+        miette!(
+            "{} is not what `metrolight {command}` writes: {cause}. Run {command} again, or take the \
+             file away",
+            self.path.join(name).display()
+        )
+    }
+
+    /// What `command` left in a JSON file.
+    pub fn json<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        command: &str,
+    ) -> miette::Result<Option<T>> {
+        let Some(bytes) = self.read(name)? else {
+            return Ok(None);
+        };
+        let parsed = serde_json::from_slice(&bytes);
+        parsed
+            .map(Some)
+            .map_err(|error| self.broken(name, command, error))
+    }
+
+    /// What `command` left in a text file.
+    pub fn text(&self, name: &str, command: &str) -> miette::Result<Option<String>> {
+        let Some(bytes) = self.read(name)? else {
+            return Ok(None);
+        };
+        let text = String::from_utf8(bytes);
+        text.map(Some)
+            .map_err(|error| self.broken(name, command, error))
+    }
+
+    /// A chart of `command`. A browser runs no script of an SVG document that is an image, and its ids
+    /// stay apart from those of the page.
+    pub fn chart(
+        &self,
+        name: &str,
+        command: &str,
+        caption: impl Into<String>,
+    ) -> miette::Result<Option<Figure>> {
+        let Some(svg) = self.text(name, command)? else {
+            return Ok(None);
+        };
+        let document = roxmltree::Document::parse(&svg);
+        let document = document.map_err(|error| self.broken(name, command, error))?;
+        let root = document.root_element().tag_name();
+        if (root.name(), root.namespace()) != ("svg", Some("http://www.w3.org/2000/svg")) {
+            return Err(self.broken(name, command, "it is no SVG document"));
+        }
+        Ok(self.figure(name, "svg+xml", svg.as_bytes(), caption.into()))
+    }
+
+    /// A PNG of `command`.
+    pub fn picture(
+        &self,
+        name: &str,
+        command: &str,
+        caption: impl Into<String>,
+    ) -> miette::Result<Option<Figure>> {
+        let Some(bytes) = self.read(name)? else {
+            return Ok(None);
+        };
+        let path = self.path.join(name);
+        read_image(&path, Decode::Srgb).map_err(|error| self.broken(name, command, error))?;
+        if !bytes.starts_with(b"\x89PNG") {
+            return Err(self.broken(name, command, "it is no PNG"));
+        }
+        Ok(self.figure(name, "png", &bytes, caption.into()))
+    }
+
+    fn figure(&self, name: &str, kind: &str, bytes: &[u8], caption: String) -> Option<Figure> {
+        if bytes.len() > MOST_PICTURE_BYTES {
+            super::print_warnings(&[format!(
+                "{} is left out: it has more than {} MiB",
+                self.path.join(name).display(),
+                MOST_PICTURE_BYTES >> 20
+            )]);
+            return None;
+        }
+        Some(Figure {
+            uri: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)),
+            caption,
+        })
+    }
+}

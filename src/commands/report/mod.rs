@@ -1,0 +1,109 @@
+//! `metrolight report`: what commands left in a directory, as one page to look at.
+
+mod folder;
+mod images;
+mod page;
+mod records;
+mod sections;
+
+use std::path::{Path, PathBuf};
+
+use askama::Template;
+use metrolight::film::check_writable;
+use miette::{IntoDiagnostic, bail};
+
+use self::folder::{Folder, NEEDED};
+use self::page::{Page, SCRIPT, STYLE, Viewer};
+use super::output::write_text;
+use super::render::print_warnings;
+use super::{Outcome, say, values};
+
+/// Make one HTML page of what other commands left in a directory
+///
+/// The page holds the charts and tables of converge, the verdict of diagnose, the maps of compare, the
+/// sheets of strategies, and all images side by side, with a divider to drag, zoom, exposure and
+/// relative errors. It is one file that needs no network and no server.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  metrolight converge scenes/cornell/scene.xml --integrators bdpt,pssmlt --time 20s -o cornell
+  metrolight diagnose scenes/cornell/scene.xml -o cornell
+  metrolight report cornell                          writes cornell/report.html
+  metrolight report cornell -o cornell.html
+
+Exit codes: 0 written, 2 bad input")]
+pub struct Args {
+    /// Directory that converge, diagnose, compare, strategies or render wrote into
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+
+    /// The page [default: DIR/report.html]
+    #[arg(short, long, value_name = "FILE.html", value_parser = values::html_path)]
+    output: Option<PathBuf>,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Reads, puts together and writes.
+pub fn run(args: &Args) -> miette::Result<Outcome> {
+    let folder = Folder::open(&args.directory)?;
+    let output = match &args.output {
+        Some(path) => path.clone(),
+        None => args.directory.join("report.html"),
+    };
+    check_writable(&output).into_diagnostic()?;
+
+    // The sections.
+    let convergence = sections::convergence(&folder)?;
+    let table = convergence.as_ref().and_then(|c| c.table.as_ref());
+    let images = images::find(&folder, table.map_or(&[], |table| &table.stems));
+    let page = Page {
+        title: title(&args.directory),
+        version: env!("CARGO_PKG_VERSION"),
+        diagnosis: sections::diagnosis(&folder)?,
+        comparison: sections::comparison(&folder)?,
+        strategies: sections::strategies(&folder)?,
+        images: Viewer::new(&images),
+        convergence,
+        origins: images.iter().filter_map(sections::origin).collect(),
+        style: STYLE,
+        script: SCRIPT,
+    };
+    let shown = page.sections();
+    if shown.is_empty() {
+        bail!(
+            "{} has nothing to report on; {NEEDED}: convergence.json or .svg, diagnose.json, \
+             compare.json, strategies.json, or images (.exr) that Metrolight rendered",
+            args.directory.display()
+        );
+    }
+
+    // The page.
+    if let Some(joined) = page.images.as_ref().map(|viewer| viewer.joined)
+        && joined > 1
+    {
+        print_warnings(&[format!(
+            "the images are large: {joined} x {joined} pixels are shown as one"
+        )]);
+    }
+    write_text(&output, &page.render().into_diagnostic()?)?;
+    if !args.quiet {
+        say(format_args!(
+            "wrote {}: {}",
+            output.display(),
+            shown.join(", ")
+        ));
+    }
+    Ok(Outcome::Done)
+}
+
+/// The directory's own name, even if it is given as `.`.
+fn title(directory: &Path) -> String {
+    let whole = directory.canonicalize();
+    let name = whole.as_deref().unwrap_or(directory).file_name();
+    name.unwrap_or(directory.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
