@@ -46,8 +46,11 @@ pub(super) fn equilibrium<S: Subject>(
 
     begin(observer, "starts in equilibrium")?;
     let c = starts::spacing(&bootstrap);
-    let draw = |part| Starts::draw(subject, seed(part), c, effort.chains, effort.samples);
-    let (fresh, starts) = (draw(part::FRESH), draw(part::STARTS));
+    let limits = (effort.chains, effort.samples);
+    let draw = |part| Starts::draw(subject, seed(part), c, limits, observer);
+    let fresh = draw(part::FRESH);
+    begin(observer, "more starts")?;
+    let starts = draw(part::STARTS);
     let fresh: Vec<Features> = fresh.starts.iter().map(|start| start.features).collect();
 
     begin(observer, "chains")?;

@@ -66,7 +66,7 @@ impl Default for Effort {
             seed: 0,
             large_step_probability: crate::render::Settings::default().large_step_probability,
             chains: 4096,
-            samples: 1 << 22,
+            samples: 1 << 21,
             steps: 4096,
             coordinates: COORDINATE_NAMES,
             permutations: 100_000,

@@ -12,7 +12,7 @@ use crate::statistics::{Moments, holm, normal_two_sided};
 
 /// Independent units of chains, and lucky samples, that a test takes at least: its z-score is then
 /// about normal.
-const FEWEST: f64 = 64.0;
+const FEWEST: f64 = 200.0;
 
 /// Estimates of b: the mean of I.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -6,6 +6,8 @@
 //! is independent of all others. Where no bound is known, c is chosen from a bootstrap so that few
 //! samples exceed it; those that do start several chains, which are one unit in the tests.
 
+use std::time::Instant;
+
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -14,6 +16,7 @@ use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Bootstrap, Target};
 use crate::math::FreshCoordinates;
 use crate::math::seeds::{self, Purpose};
+use crate::render::Observer;
 
 /// At most this share of the starts may share their place with another one, as far as the bootstrap
 /// can tell.
@@ -46,13 +49,28 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// The first `wanted` starts, or as many as there are among `most` samples.
-    pub fn draw<S: Subject>(subject: &S, seed: u64, c: f64, wanted: usize, most: u64) -> Self {
+    /// The first `wanted` starts, or as many as there are among `most` samples; fewer if the observer
+    /// stops it.
+    pub fn draw<S: Subject>(
+        subject: &S,
+        seed: u64,
+        c: f64,
+        (wanted, most): (usize, u64),
+        observer: &dyn Observer,
+    ) -> Self {
+        let begin = Instant::now();
         let mut drawn = Self {
             seed,
             ..Self::default()
         };
         while drawn.starts.len() < wanted && drawn.samples < most {
+            if observer.interrupted() {
+                break;
+            }
+            let found = drawn.starts.len() as f64 / wanted as f64;
+            let done = found.max(drawn.samples as f64 / most as f64);
+            let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
+            observer.progress(done, (done > 0.0).then_some(left));
             let last = most.min(drawn.samples + BATCH);
             let found: Vec<Vec<Start>> = (drawn.samples..last)
                 .step_by(RUN as usize)

@@ -275,7 +275,12 @@ pub(super) fn number(value: f64) -> String {
         let text = format!("{value:.1e}");
         text.replace(".0e", "e")
     } else {
-        let text = format!("{value:.3}");
+        // Four digits, three after the point at most.
+        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 3.0) as usize;
+        let text = format!("{value:.decimals$}");
+        if decimals == 0 {
+            return text;
+        }
         text.trim_end_matches('0').trim_end_matches('.').into()
     }
 }
@@ -338,6 +343,8 @@ mod tests {
             (1e-5, "1e-5"),
             (-2.5e7, "-2.5e7"),
             (12345.0, "12345"),
+            (3546.716, "3547"),
+            (12.345, "12.35"),
         ] {
             assert_eq!(number(value), expected);
         }

@@ -43,7 +43,7 @@ const HUNTS: [(Fault, Hunt, &str); 13] = [
     ),
     (
         Fault::Asymmetric,
-        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
+        Hunt::Chains(0.3, Analytic::Ridge, 2000, 14),
         "asymmetric step",
     ),
     (
@@ -93,12 +93,12 @@ const HUNTS: [(Fault, Hunt, &str); 13] = [
     ),
     (
         Fault::AdjointLeftOut,
-        Hunt::Images([Sampler::Path, Sampler::Light], 1 << 18),
+        Hunt::Images([Sampler::Path, Sampler::Light], 1 << 19),
         "adjoint factor left out",
     ),
     (
         Fault::WeightOff,
-        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 19),
+        Hunt::Images([Sampler::Path, Sampler::Bidirectional], 1 << 20),
         "a MIS weight 20% off",
     ),
 ];
@@ -247,6 +247,7 @@ fn no_fault_is_found_where_there_is_none() {
 fn every_planted_fault_is_found_in_99_of_100_runs() {
     println!("| fault | found in | power, at 95% confidence | by, as a rule |");
     println!("| --- | --- | --- | --- |");
+    let mut weak = Vec::new();
     for (fault, hunt, name) in HUNTS {
         let (found, tests) = rejections(Some(fault), hunt, LONG);
         // The lower end of a two-sided interval of 90% is one-sided at 95%.
@@ -254,6 +255,9 @@ fn every_planted_fault_is_found_in_99_of_100_runs() {
         let most = tests.iter().max_by_key(|(_, count)| **count);
         let by = most.map_or("", |(test, _)| test);
         println!("| {name} | {found} of {LONG} runs | above {power:.3} | {by} |");
-        assert!(power > 0.99, "{name}: {found} of {LONG}; {tests:?}");
+        if power <= 0.99 {
+            weak.push(name);
+        }
     }
+    assert!(weak.is_empty(), "found too seldom: {weak:?}");
 }
