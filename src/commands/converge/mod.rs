@@ -8,6 +8,7 @@ use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 use metrolight::convergence::{Curve, Experiment, Variant};
+use metrolight::integrators::lost_light;
 use metrolight::render::{Budget, Integrator, Settings};
 use miette::{IntoDiagnostic, bail};
 
@@ -108,6 +109,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     interrupt::listen()?;
     let opened = args.scene.open()?;
     print_warnings(&opened.warnings);
+    print_warnings(&lost(&opened, &variants));
     let progress = Progress::new(args.quiet, stderr().is_terminal());
 
     // The truth.
@@ -165,6 +167,16 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
+}
+
+/// Light that an integrator cannot find: its error against a reference that has it stays.
+fn lost(opened: &Opened, variants: &[Variant]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for Variant { label, settings } in variants {
+        let lost = lost_light(&opened.scene, settings.integrator.sampler());
+        lines.extend(lost.iter().map(|lost| format!("{label}: {lost}")));
+    }
+    lines
 }
 
 impl Args {

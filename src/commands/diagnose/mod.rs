@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use metrolight::diagnosis::{DiagnoseError, Diagnosis, Effort, SceneLight, diagnose};
 use metrolight::film::check_writable;
+use metrolight::integrators::lost_light;
 use metrolight::render::Integrator;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};
@@ -113,6 +114,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         .into_diagnostic()?;
     let mut opened = args.scene.open()?;
     print_warnings(&opened.warnings);
+    let sampler = Integrator::from(args.integrator).sampler();
+    let lost = lost_light(&opened.scene, sampler);
+    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
     let effort = args.effort();
     let progress = Progress::new(args.quiet, stderr().is_terminal());
     let subject = SceneLight::new(&mut opened.scene, args.threads);
