@@ -16,10 +16,10 @@ pub enum Purpose {
     Resampling,
     /// Rays that look for light which no sampler can find.
     Probes,
-    /// Random choices of statistical tests.
-    Tests,
     /// The chains; one stream, from which each chain jumps on.
     Chains,
+    /// Random choices of statistical tests.
+    Tests,
 }
 
 /// Finaliser of SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators"):
