@@ -4,6 +4,7 @@
 pub mod bdpt;
 pub mod light;
 pub mod lost_light;
+pub mod multiplexed;
 pub mod path;
 mod probe;
 pub mod trapped_light;
