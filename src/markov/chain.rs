@@ -12,7 +12,7 @@
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{LazyPoint, SmallStep, Target};
+use super::{LazyPoint, Steps, Target};
 use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, FreshCoordinates, Stream};
 use crate::statistics::Moments;
@@ -92,15 +92,22 @@ pub struct Chain<T> {
     pub counters: ChainCounters,
 }
 
-/// Fresh coordinates, set into a lazy point as they are drawn.
-struct Recording<'a> {
-    fresh: FreshCoordinates,
+/// Coordinates of a point found elsewhere, set into a lazy point as they are read.
+pub struct Recording<'a, C> {
+    source: C,
     point: &'a mut LazyPoint,
 }
 
-impl Coordinates for Recording<'_> {
+impl<'a, C: Coordinates> Recording<'a, C> {
+    /// Coordinates of `source`, set into `point`.
+    pub fn new(source: C, point: &'a mut LazyPoint) -> Self {
+        Self { source, point }
+    }
+}
+
+impl<C: Coordinates> Coordinates for Recording<'_, C> {
     fn read<const N: usize>(&mut self, stream: Stream, first: usize) -> [f32; N] {
-        let values = self.fresh.read::<N>(stream, first);
+        let values = self.source.read::<N>(stream, first);
         self.point.set(stream, first, &values);
         values
     }
@@ -114,16 +121,27 @@ impl<T: Default> Chain<T> {
         start: Xoshiro256PlusPlus,
         rng: Xoshiro256PlusPlus,
         large_step_probability: f32,
-        small_step: SmallStep,
+        steps: impl Into<Steps>,
     ) -> Self {
-        let mut point = LazyPoint::new(rng, small_step);
+        let mut point = LazyPoint::new(rng, steps);
         let mut current = Sample::default();
-        let fresh = FreshCoordinates::new(start);
-        let mut recording = Recording {
-            fresh,
-            point: &mut point,
-        };
+        let mut recording = Recording::new(FreshCoordinates::new(start), &mut point);
         current.density = target.evaluate(&mut recording, &mut current.contribution);
+        Self::at(point, current, large_step_probability)
+    }
+
+    /// A chain that starts at `point`, whose coordinates have been set as far as the target reads them.
+    pub fn start_at<G: Target<Contribution = T>>(
+        target: &mut G,
+        mut point: LazyPoint,
+        large_step_probability: f32,
+    ) -> Self {
+        let mut current = Sample::default();
+        current.density = target.evaluate(&mut point, &mut current.contribution);
+        Self::at(point, current, large_step_probability)
+    }
+
+    fn at(point: LazyPoint, current: Sample<T>, large_step_probability: f32) -> Self {
         Self {
             point,
             large_step_probability,

@@ -11,8 +11,8 @@ pub mod point;
 pub mod weighing;
 
 pub use bootstrap::{Bootstrap, BootstrapLimits, systematic_resample};
-pub use chain::{Chain, ChainCounters, Sample, Weights};
-pub use mutation::SmallStep;
+pub use chain::{Chain, ChainCounters, Recording, Sample, Weights};
+pub use mutation::{SmallStep, Steps};
 pub use point::LazyPoint;
 pub use weighing::Weighing;
 

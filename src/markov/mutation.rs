@@ -1,17 +1,34 @@
 //! Small steps.
 
-use rand::Rng;
+use std::ops::Range;
+
+use rand::{Rng, RngExt};
 
 use crate::fault::{Fault, planted};
+use crate::math::Stream;
 
-/// A symmetric step on the circle [0, 1): its length is log-uniform between two bounds and its sign
-/// fair (Kelemen et al. 2002, section 3.1).
+/// A symmetric step on the circle [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmallStep {
-    /// s_2.
-    longest: f32,
-    /// log2(s_1 / s_2).
-    log2_ratio: f32,
+pub enum SmallStep {
+    /// Its length is log-uniform between two bounds and its sign fair (Kelemen et al. 2002, section
+    /// 3.1).
+    LogUniform {
+        /// s_2.
+        longest: f32,
+        /// log2(s_1 / s_2).
+        log2_ratio: f32,
+    },
+    /// Normally distributed.
+    Gaussian {
+        /// Standard deviation.
+        deviation: f32,
+    },
+    /// A fresh uniform number with some probability, else no move at all: for a coordinate whose
+    /// neighbouring values have nothing in common.
+    Redraw {
+        /// Of a fresh number.
+        probability: f32,
+    },
 }
 
 impl Default for SmallStep {
@@ -22,9 +39,10 @@ impl Default for SmallStep {
 }
 
 impl SmallStep {
-    /// Steps of lengths in [`shortest`, `longest`], with 0 < `shortest` <= `longest` <= 1/2.
+    /// Log-uniform steps of lengths in [`shortest`, `longest`], with 0 < `shortest` <= `longest` <=
+    /// 1/2.
     pub fn new(shortest: f32, longest: f32) -> Self {
-        Self {
+        Self::LogUniform {
             longest,
             log2_ratio: (shortest / longest).log2(),
         }
@@ -34,16 +52,111 @@ impl SmallStep {
     /// symmetric.
     #[inline]
     pub fn apply(&self, value: f32, rng: &mut impl Rng) -> f32 {
-        let bits = rng.next_u64();
-        // 24 bits for the length, and one far from them for the sign.
-        let u = (bits >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
-        let length = self.longest * (self.log2_ratio * u).exp2();
-        let up = bits & 1 == 0 || (planted(Fault::Asymmetric) && bits & 6 == 0);
-        let moved = if up { value + length } else { value - length };
+        let moved = match *self {
+            Self::LogUniform {
+                longest,
+                log2_ratio,
+            } => {
+                let bits = rng.next_u64();
+                // 24 bits for the length, and one far from them for the sign.
+                let u = (bits >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
+                let length = longest * (log2_ratio * u).exp2();
+                let up = bits & 1 == 0 || (planted(Fault::Asymmetric) && bits & 6 == 0);
+                if up { value + length } else { value - length }
+            }
+            Self::Gaussian { deviation } => {
+                let moved = value + deviation * standard_normal(rng);
+                moved - moved.floor()
+            }
+            Self::Redraw { probability } => {
+                if rng.random::<f32>() < probability {
+                    rng.random()
+                } else {
+                    value
+                }
+            }
+        };
         if planted(Fault::Clamped) {
             return moved.clamp(0.0, 1.0 - f32::EPSILON / 2.0);
         }
         wrap(moved)
+    }
+
+    /// After so many steps a coordinate is uniform on the circle to 1e-12: no need to take them.
+    pub fn steps_to_uniform(&self) -> u64 {
+        // ln(1e-12) = -27.6.
+        const ENOUGH: f64 = 27.6;
+        // The slowest Fourier mode decays by exp(-2 pi^2 variance) a step, if that is small.
+        let by_variance = |variance: f64| ENOUGH / (2.0 * std::f64::consts::PI.powi(2) * variance);
+        let steps = match *self {
+            Self::LogUniform {
+                longest,
+                log2_ratio,
+            } => {
+                let longest = f64::from(longest);
+                let shortest = longest * f64::from(log2_ratio).exp2();
+                let variance = if log2_ratio == 0.0 {
+                    longest * longest
+                } else {
+                    let ln_ratio = -f64::from(log2_ratio) * std::f64::consts::LN_2;
+                    (longest * longest - shortest * shortest) / (2.0 * ln_ratio)
+                };
+                // Long steps of one length decay by cos(2 pi length), perhaps by nothing at all.
+                if longest > 0.125 {
+                    f64::INFINITY
+                } else {
+                    by_variance(variance)
+                }
+            }
+            Self::Gaussian { deviation } => by_variance(f64::from(deviation).powi(2)),
+            Self::Redraw { probability } => ENOUGH / f64::from(probability),
+        };
+        steps.ceil() as u64
+    }
+}
+
+/// A standard normal deviate (Box and Muller 1958, "A note on the generation of random normal
+/// deviates").
+#[inline]
+fn standard_normal(rng: &mut impl Rng) -> f32 {
+    let radius = (-2.0 * (1.0 - rng.random::<f32>()).ln()).sqrt();
+    radius * (std::f32::consts::TAU * rng.random::<f32>()).cos()
+}
+
+/// Which coordinates move by which steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// Coordinates with steps of their own: the first that matches counts.
+    classes: Vec<(Stream, Range<usize>, SmallStep)>,
+    /// All others.
+    rest: SmallStep,
+}
+
+impl From<SmallStep> for Steps {
+    /// All coordinates move alike.
+    fn from(rest: SmallStep) -> Self {
+        Self {
+            classes: Vec::new(),
+            rest,
+        }
+    }
+}
+
+impl Steps {
+    /// The same, but for `coordinates` of `stream`.
+    #[must_use]
+    pub fn with(mut self, stream: Stream, coordinates: Range<usize>, step: SmallStep) -> Self {
+        self.classes.push((stream, coordinates, step));
+        self
+    }
+
+    /// How coordinate `index` of `stream` moves.
+    #[inline]
+    pub fn of(&self, stream: Stream, index: usize) -> SmallStep {
+        self.classes
+            .iter()
+            .find(|(s, coordinates, _)| *s == stream && coordinates.contains(&index))
+            .map_or(self.rest, |(.., step)| *step)
     }
 }
 

@@ -8,16 +8,12 @@
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::SmallStep;
+use super::{SmallStep, Steps};
 use crate::fault::{Fault, planted};
 use crate::math::{Coordinates, Stream};
 
 /// Room for this many coordinates a stream is made at once; it grows to what the longest path needs.
 const CAPACITY: usize = 32;
-
-/// After so many small steps of the default size a coordinate is uniform on the circle to 1e-12
-/// (the slowest Fourier mode decays by exp(-2 pi^2 var), var = 4.4e-5 a step): no need to take them.
-const STEPS_TO_UNIFORM: u64 = 1 << 15;
 
 #[derive(Clone, Copy, Debug)]
 struct Coordinate {
@@ -40,7 +36,7 @@ pub struct LazyPoint {
     streams: [Vec<Coordinate>; Stream::COUNT],
     undo: Vec<Undo>,
     rng: Xoshiro256PlusPlus,
-    small_step: SmallStep,
+    steps: Steps,
     /// Number of accepted steps, plus 1 while a proposal is open.
     now: u64,
     /// The last accepted large step.
@@ -51,12 +47,12 @@ pub struct LazyPoint {
 
 impl LazyPoint {
     /// A point whose coordinates are all still to be drawn from `rng`.
-    pub fn new(rng: Xoshiro256PlusPlus, small_step: SmallStep) -> Self {
+    pub fn new(rng: Xoshiro256PlusPlus, steps: impl Into<Steps>) -> Self {
         Self {
             streams: std::array::from_fn(|_| Vec::with_capacity(CAPACITY)),
             undo: Vec::with_capacity(CAPACITY),
             rng,
-            small_step,
+            steps: steps.into(),
             now: 0,
             last_large: 0,
             large: true,
@@ -133,7 +129,8 @@ impl LazyPoint {
         if coordinate.time == self.now {
             return coordinate.value;
         }
-        let current = self.caught_up(coordinate);
+        let step = self.steps.of(stream, index);
+        let current = self.caught_up(coordinate, step);
         self.undo.push(Undo {
             stream,
             index: index as u32,
@@ -142,7 +139,7 @@ impl LazyPoint {
         let value = if self.large {
             self.rng.random()
         } else {
-            self.small_step.apply(current, &mut self.rng)
+            step.apply(current, &mut self.rng)
         };
         self.streams[stream as usize][index] = Coordinate {
             value,
@@ -153,17 +150,18 @@ impl LazyPoint {
 
     /// The coordinate's value in the current state, before the open proposal.
     #[inline]
-    fn caught_up(&mut self, coordinate: Coordinate) -> f32 {
+    fn caught_up(&mut self, coordinate: Coordinate, step: SmallStep) -> f32 {
         let mut steps = self.now - 1 - coordinate.time;
         if planted(Fault::LazyStepTooFew) {
             steps = steps.saturating_sub(1);
         }
-        if coordinate.time < self.last_large || steps > STEPS_TO_UNIFORM {
+        // Most coordinates are read in every step: only after more steps than most ask how many are
+        // enough.
+        let long_ago = steps > 16 && steps > step.steps_to_uniform();
+        if coordinate.time < self.last_large || long_ago {
             return self.rng.random();
         }
-        (0..steps).fold(coordinate.value, |v, _| {
-            self.small_step.apply(v, &mut self.rng)
-        })
+        (0..steps).fold(coordinate.value, |v, _| step.apply(v, &mut self.rng))
     }
 }
 

@@ -16,11 +16,13 @@ pub enum Stream {
     Light,
     /// What connections need: points on emitters and on the lens.
     Connection,
+    /// Which technique joins the subpaths, where the point chooses one.
+    Technique,
 }
 
 impl Stream {
     /// How many streams there are.
-    pub const COUNT: usize = 3;
+    pub const COUNT: usize = 4;
 }
 
 /// A point of the unit hypercube. Every coordinate is read at most once for each path sampled.

@@ -20,6 +20,8 @@ pub enum Purpose {
     Chains,
     /// Random choices of statistical tests.
     Tests,
+    /// Chains that redistribute what a block of plain samples has found.
+    Redistribution,
 }
 
 /// Finaliser of SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators"):
