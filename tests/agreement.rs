@@ -13,11 +13,11 @@ use glam::Vec3A;
 use metrolight::integrators::{Workspace, bdpt};
 use metrolight::math::{Coordinates, Stream};
 use metrolight::path::{Heuristic, Vertex};
-use metrolight::render::{Budget, Integrator, Settings};
+use metrolight::render::{Budget, DivisionSettings, Integrator, Settings};
 use metrolight::scene::{Scene, TransportMode};
 use metrolight::statistics::{Moments, holm, welch};
 
-use Integrator::{Bdpt, Light, Path, Pssmlt};
+use Integrator::{Bdpt, Light, Mmlt, Path, Pssmlt};
 
 const ALPHA: f64 = 1e-3;
 const SEEDS: u64 = 16;
@@ -26,6 +26,11 @@ const SEEDS: u64 = 16;
 fn sample(scene: &Scene, integrator: Integrator, spp: u64, side: usize) -> Vec<Moments> {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(spp),
+        // Chains carry most of the light, and not what is brightest alone.
+        division: DivisionSettings {
+            threshold: Some(0.05),
+            ..DivisionSettings::default()
+        },
         chains: 64,
         bootstrap: Some(100_000),
         ..Settings::new(integrator)
@@ -84,7 +89,13 @@ fn diffuse_box() {
     assert_agreement(
         "scenes/cornell/scene.xml",
         &[],
-        &[(Path, 32), (Light, 32), (Bdpt, 16), (Pssmlt, 32)],
+        &[
+            (Path, 32),
+            (Light, 32),
+            (Bdpt, 16),
+            (Pssmlt, 32),
+            (Mmlt, 16),
+        ],
     );
 }
 
@@ -93,7 +104,7 @@ fn smooth_rough_and_mixed_materials_under_area_lights() {
     assert_agreement(
         "tests/scenes/mis-area.xml",
         &[],
-        &[(Path, 128), (Bdpt, 32), (Pssmlt, 64)],
+        &[(Path, 128), (Bdpt, 32), (Pssmlt, 64), (Mmlt, 32)],
     );
 }
 
@@ -102,7 +113,7 @@ fn point_and_directional_lights() {
     assert_agreement(
         "tests/scenes/mis-point.xml",
         &[],
-        &[(Bdpt, 32), (Pssmlt, 64)],
+        &[(Bdpt, 32), (Pssmlt, 64), (Mmlt, 32)],
     );
 }
 
@@ -111,7 +122,7 @@ fn light_from_all_around() {
     assert_agreement(
         "tests/scenes/mis-environment.xml",
         &[],
-        &[(Path, 64), (Bdpt, 32), (Pssmlt, 64)],
+        &[(Path, 64), (Bdpt, 32), (Pssmlt, 64), (Mmlt, 32)],
     );
 }
 
@@ -165,7 +176,13 @@ fn coarse_meshes_are_adjoint() {
 /// A thin lens, diffuse plates and a lamp in view.
 #[test]
 fn lenses() {
-    let methods = [(Path, 48), (Light, 48), (Bdpt, 16), (Pssmlt, 48)];
+    let methods = [
+        (Path, 48),
+        (Light, 48),
+        (Bdpt, 16),
+        (Pssmlt, 48),
+        (Mmlt, 16),
+    ];
     assert_agreement("tests/scenes/plates.xml", &[], &methods);
 }
 

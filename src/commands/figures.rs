@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use metrolight::render::{MetropolisStatistics, Rendering, Settings, Statistics};
+use metrolight::render::{
+    MetropolisStatistics, MultiplexedStatistics, Rendering, Settings, Statistics,
+};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -97,6 +99,7 @@ pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
         ),
     ];
     lines.extend(statistics.metropolis.iter().flat_map(metropolis_lines));
+    lines.extend(statistics.multiplexed.as_ref().map(multiplexed_line));
     if let Some(error) = &rendering.error {
         let parts = match statistics.metropolis {
             Some(_) => "groups of chains",
@@ -133,6 +136,18 @@ fn metropolis_lines(metropolis: &MetropolisStatistics) -> [String; 2] {
             metropolis.longest_rejection_run,
         ),
     ]
+}
+
+fn multiplexed_line(multiplexed: &MultiplexedStatistics) -> String {
+    format!(
+        "beyond {} times the expected brightness: {} chains with {} mutations, {:.1}% of them \
+         accepted, longest run of rejections {}",
+        f64::from(multiplexed.threshold),
+        multiplexed.chains,
+        quantity(multiplexed.mutations.proposed as f64),
+        100.0 * multiplexed.mutations.acceptance_rate,
+        multiplexed.longest_rejection_run,
+    )
 }
 
 /// A number to three digits with a suffix: `1.23 M`.

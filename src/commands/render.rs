@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use metrolight::integrators::lost_light;
-use metrolight::render::{Budget, Integrator, Settings, Statistics, render};
+use metrolight::render::{
+    Budget, DivisionSettings, Integrator, Settings, Statistics, choose, render,
+};
 use miette::{IntoDiagnostic, bail};
 
 use super::output::Outputs;
@@ -41,9 +43,9 @@ pub struct Args {
     #[arg(short, long, value_name = "OUT.exr", value_parser = values::exr_path)]
     output: Option<PathBuf>,
 
-    /// Method
-    #[arg(long, default_value_t = Settings::default().integrator.into())]
-    integrator: IntegratorName,
+    /// Method [default: bdpt or mmlt, as a short pilot decides]
+    #[arg(long)]
+    integrator: Option<IntegratorName>,
 
     #[arg(
         long,
@@ -87,6 +89,19 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     bootstrap: Option<u64>,
 
+    /// mmlt: who renders direct light: plain samples, or these and the chains like all else
+    #[arg(long, value_name = "WHO")]
+    direct: Option<DirectName>,
+
+    /// mmlt: let all regions of the image count by their brightness, and not alike
+    #[arg(long)]
+    no_importance_map: bool,
+
+    /// mmlt: how bright a path must be for chains to take over, in units of the brightness expected
+    /// where it lands [default: as the pilot decides]
+    #[arg(long, value_name = "T", value_parser = values::threshold)]
+    threshold: Option<f32>,
+
     /// Estimate the standard error of every pixel: adds the channels standard_error.R, .G and .B to
     /// the EXR file and prints the relMSE that they make expect
     #[arg(long)]
@@ -117,6 +132,17 @@ pub enum IntegratorName {
     Bdpt,
     /// Primary sample space Metropolis over bidirectional path tracing
     Pssmlt,
+    /// Multiplexed Metropolis beside plain bidirectional path tracing
+    Mmlt,
+}
+
+/// Who renders direct light.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum DirectName {
+    /// Plain samples alone
+    Separate,
+    /// Plain samples, and chains where it is bright
+    Joint,
 }
 
 impl From<Integrator> for IntegratorName {
@@ -126,6 +152,7 @@ impl From<Integrator> for IntegratorName {
             Integrator::Light => Self::Light,
             Integrator::Bdpt => Self::Bdpt,
             Integrator::Pssmlt => Self::Pssmlt,
+            Integrator::Mmlt => Self::Mmlt,
         }
     }
 }
@@ -137,6 +164,7 @@ impl From<IntegratorName> for Integrator {
             IntegratorName::Light => Self::Light,
             IntegratorName::Bdpt => Self::Bdpt,
             IntegratorName::Pssmlt => Self::Pssmlt,
+            IntegratorName::Mmlt => Self::Mmlt,
         }
     }
 }
@@ -176,26 +204,35 @@ const MOST_REPLAYS: usize = 8;
 
 /// Loads, renders, writes and sums up.
 pub fn run(args: Args) -> miette::Result<Outcome> {
-    let settings = args.settings()?;
+    let mut settings = args.settings()?;
     let outputs = Outputs::prepare(args.output, &args.scene.name()?, args.stats)?;
     interrupt::listen()?;
 
     // Load.
     let opened = args.scene.open()?;
     let mut warnings = opened.warnings.clone();
-    let lost = lost_light(&opened.scene, settings.integrator.sampler());
-    warnings.extend(lost.iter().map(ToString::to_string));
     print_warnings(&warnings);
     if !args.quiet {
         tell(opening(&opened));
     }
+    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    if args.integrator.is_none() {
+        let choice = choose(&opened.scene, &settings, &progress).into_diagnostic()?;
+        settings.integrator = choice.integrator;
+        if !args.quiet {
+            tell(&choice);
+        }
+    }
+    let lost = lost_light(&opened.scene, settings.integrator.sampler());
+    let lost: Vec<String> = lost.iter().map(ToString::to_string).collect();
+    print_warnings(&lost);
+    warnings.extend(lost);
     if interrupt::requested() {
         tell("interrupted before rendering began: nothing is written");
         return Ok(Outcome::Interrupted);
     }
 
     // Render.
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
     print_warnings(&rendering.warnings);
@@ -221,27 +258,10 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
 
 impl Args {
     fn settings(&self) -> miette::Result<Settings> {
-        let integrator = Integrator::from(self.integrator);
+        // Until a pilot has chosen: what it may choose has the same defaults.
+        let integrator = self.integrator.map_or(Integrator::Mmlt, Integrator::from);
+        self.check_options(integrator)?;
         let defaults = Settings::new(integrator);
-        let for_metropolis = [
-            (
-                "--large-step-probability",
-                self.large_step_probability.is_some(),
-            ),
-            ("--chains", self.chains.is_some()),
-            ("--bootstrap", self.bootstrap.is_some()),
-        ];
-        for (option, given) in for_metropolis {
-            if given && !integrator.is_metropolis() {
-                bail!(
-                    "{option} means nothing to the integrator {}",
-                    self.integrator
-                );
-            }
-        }
-        if integrator.is_metropolis() && self.target_error.is_some() && self.chains == Some(1) {
-            bail!("--target-error needs two chains at least: the error is seen from their spread");
-        }
         Ok(Settings {
             integrator,
             budget: match (self.spp, self.time) {
@@ -259,7 +279,39 @@ impl Args {
                 .unwrap_or(defaults.large_step_probability),
             chains: self.chains.unwrap_or(defaults.chains),
             bootstrap: self.bootstrap,
+            division: DivisionSettings {
+                separate_direct: self.direct != Some(DirectName::Joint),
+                importance: !self.no_importance_map,
+                threshold: self.threshold,
+            },
         })
+    }
+
+    /// Options that mean something to one integrator alone must come with it.
+    fn check_options(&self, integrator: Integrator) -> miette::Result<()> {
+        let (pssmlt, mmlt) = (Integrator::Pssmlt, Integrator::Mmlt);
+        let large_step = self.large_step_probability.is_some();
+        let of_one = [
+            ("--large-step-probability", large_step, pssmlt),
+            ("--chains", self.chains.is_some(), pssmlt),
+            ("--bootstrap", self.bootstrap.is_some(), pssmlt),
+            ("--direct", self.direct.is_some(), mmlt),
+            ("--no-importance-map", self.no_importance_map, mmlt),
+            ("--threshold", self.threshold.is_some(), mmlt),
+        ];
+        for (option, given, of) in of_one {
+            match self.integrator {
+                Some(name) if given && of != integrator => {
+                    bail!("{option} means nothing to the integrator {name}")
+                }
+                None if given => bail!("{option} needs --integrator {}", of.name()),
+                _ => {}
+            }
+        }
+        if integrator.is_metropolis() && self.target_error.is_some() && self.chains == Some(1) {
+            bail!("--target-error needs two chains at least: the error is seen from their spread");
+        }
+        Ok(())
     }
 }
 

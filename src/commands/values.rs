@@ -43,6 +43,14 @@ pub fn probability(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "a number from 0 to 1 is needed".into())
 }
 
+/// A brightness beyond which chains take over.
+pub fn threshold(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|t: &f32| *t >= 0.0 && t.is_finite())
+        .ok_or_else(|| "a number from 0 on is needed".into())
+}
+
 /// A whole number from 1 on.
 pub fn positive(text: &str) -> Result<u64, String> {
     text.parse()

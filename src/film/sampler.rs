@@ -7,6 +7,7 @@ use super::filter::{Filter, FilterSampler};
 /// At the border of the film the filter is cut off and normalised anew.
 #[derive(Clone, Debug)]
 pub struct FilmSampler {
+    filter: Filter,
     sampler: FilterSampler,
     /// Per column and per row, the filter's primitive at both ends of its part within the film.
     columns: Vec<[f64; 2]>,
@@ -17,6 +18,7 @@ impl FilmSampler {
     /// For a film of `width` x `height` pixels.
     pub fn new(width: u32, height: u32, filter: Filter) -> Self {
         Self {
+            filter,
             sampler: FilterSampler::new(filter),
             columns: filter.parts_within(width),
             rows: filter.parts_within(height),
@@ -32,6 +34,24 @@ impl FilmSampler {
             self.position(&self.columns, pixel % width, u[0]),
             self.position(&self.rows, pixel / width, u[1]),
         ]
+    }
+
+    /// Density over the film as a unit square of the position of a sample of a pixel that is drawn
+    /// uniformly: the mean of all pixels' normalised filters there. 1 everywhere for boxes.
+    pub fn density(&self, position: [f32; 2]) -> f64 {
+        self.side_density(&self.columns, position[0]) * self.side_density(&self.rows, position[1])
+    }
+
+    fn side_density(&self, parts: &[[f64; 2]], position: f32) -> f64 {
+        let position = f64::from(position) * parts.len() as f64;
+        let radius = self.filter.radius();
+        // Conversion saturates: a negative bound becomes 0.
+        let begin = (position - radius - 0.5).ceil() as usize;
+        let end = ((position + radius + 0.5).floor() as usize).min(parts.len());
+        let pixels = (begin..end).zip(&parts[begin.min(end)..end]);
+        pixels
+            .map(|(j, [a, b])| self.filter.evaluate(position - (j as f64 + 0.5)) / (b - a))
+            .sum()
     }
 
     #[inline]

@@ -1,11 +1,17 @@
 //! Drivers: they decide how the point of the hypercube moves, pair a path sampler with that, keep
 //! to a budget, and add what comes out to a film.
 
+mod choice;
 pub mod clock;
+mod division;
 pub mod error;
+mod importance;
 pub mod metropolis;
 pub mod monte_carlo;
+mod multiplexed;
 pub mod origin;
+mod pilot;
+mod redistribution;
 pub mod replay;
 pub mod seat;
 pub mod settings;
@@ -17,12 +23,14 @@ mod warnings;
 use crate::film::Image;
 use crate::scene::Scene;
 
+pub use choice::{Choice, choose};
+pub use division::DivisionSettings;
 pub use error::ErrorEstimate;
 pub use origin::{NonFinite, Origin};
 pub use replay::{Replay, ReplayError};
 pub use seat::LightTarget;
 pub use settings::{Budget, Integrator, Settings};
-pub use statistics::{MetropolisStatistics, Statistics, StepStatistics};
+pub use statistics::{MetropolisStatistics, MultiplexedStatistics, Statistics, StepStatistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies, techniques};
 
 /// How far a render is.
@@ -89,15 +97,12 @@ pub fn render(
     settings: &Settings,
     observer: &dyn Observer,
 ) -> Result<Rendering, rayon::ThreadPoolBuildError> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads.unwrap_or(0))
-        .build()?;
-    let mut rendering = pool.install(|| match settings.integrator {
-        Integrator::Path | Integrator::Light | Integrator::Bdpt => {
+    let mut rendering = in_pool(settings.threads, || match settings.integrator {
+        Integrator::Path | Integrator::Light | Integrator::Bdpt | Integrator::Mmlt => {
             monte_carlo::render(scene, settings, observer)
         }
         Integrator::Pssmlt => metropolis::render(scene, settings, observer),
-    });
+    })?;
     let black = rendering
         .image
         .pixels
@@ -110,4 +115,15 @@ pub fn render(
             .push("the image is black: no path has found light".into());
     }
     Ok(rendering)
+}
+
+/// Runs `work` on so many threads, or on one per core.
+fn in_pool<R: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, rayon::ThreadPoolBuildError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()?;
+    Ok(pool.install(work))
 }

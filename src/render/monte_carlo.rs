@@ -7,20 +7,30 @@
 use std::time::Instant;
 
 use super::clock::Clock;
+use super::division::Division;
 use super::error::{ErrorEstimate, Passes, Target};
+use super::pilot::Pilot;
+use super::redistribution::{Excess, Redistribution};
 use super::sweep::{AtPixel, Collector, Place, Sweep, pixels};
 use super::warnings;
-use super::{NonFinite, Observer, Origin, Rendering, Settings, Statistics};
+use super::{
+    Integrator, MultiplexedStatistics, NonFinite, Observer, Origin, Rendering, Settings, Statistics,
+};
 use crate::film::{Film, Image, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
 use crate::scene::{RayCounts, Scene};
 
-/// Renders by Monte Carlo.
+/// Renders by Monte Carlo, with chains beside it if the integrator is multiplexed.
 pub(super) fn render(scene: &Scene, settings: &Settings, observer: &dyn Observer) -> Rendering {
+    let start = Instant::now();
     let mut canvas = Canvas::new(scene, settings);
+    if settings.integrator == Integrator::Mmlt {
+        observer.phase("pilot");
+        canvas.divide(start, observer);
+    }
     let mut sweep = Sweep::new(scene, settings.seed);
     observer.phase("rendering");
-    let mut clock = Clock::new(Instant::now(), settings.budget, pixels(scene), observer);
+    let mut clock = Clock::new(start, settings.budget, pixels(scene), observer);
     sweep.sample(&mut canvas, &mut clock);
     canvas.finish(&sweep, &clock, observer)
 }
@@ -34,6 +44,8 @@ struct Run {
     elsewhere: SplatLog,
     /// Pixels whose sample was not finite, and how many of its contributions.
     non_finite: Vec<(u64, u64)>,
+    /// What is left to the chains.
+    excess: Vec<Excess>,
 }
 
 /// The image in the making.
@@ -46,6 +58,10 @@ struct Canvas<'a> {
     passes: Option<Passes>,
     target: Target,
     non_finite: NonFinite,
+    /// There if the integrator is multiplexed.
+    chains: Option<Redistribution<'a>>,
+    /// What the pilot took.
+    pilot_rays: RayCounts,
 }
 
 impl Collector for Canvas<'_> {
@@ -55,12 +71,16 @@ impl Collector for Canvas<'_> {
         run.pixels.clear();
         run.elsewhere.clear();
         run.non_finite.clear();
+        run.excess.clear();
     }
 
     #[inline]
     fn sample(&self, pixel: u64, point: &mut AtPixel, workspace: &mut Workspace, run: &mut Run) {
         let splats = &mut run.splats;
-        self.sampler.sample(self.scene, point, workspace, splats);
+        match &self.chains {
+            None => self.sampler.sample(self.scene, point, workspace, splats),
+            Some(chains) => chains.sample(point, workspace, splats, &mut run.excess),
+        }
         run.pixels.push(splats.camera.as_dvec3().to_array());
         splats
             .elsewhere
@@ -73,6 +93,9 @@ impl Collector for Canvas<'_> {
 
     fn add(&mut self, runs: &[(Place, &Run)]) {
         for (place, run) in runs {
+            if let Some(chains) = &mut self.chains {
+                chains.collect(&run.excess, place.pixels.end - place.pixels.start);
+            }
             for (pixel, sum) in place.pixels.clone().zip(&run.pixels) {
                 self.film.add_samples(pixel as usize, *sum, 1);
             }
@@ -83,12 +106,15 @@ impl Collector for Canvas<'_> {
         }
         let logs: Vec<&SplatLog> = runs.iter().map(|(_, run)| &run.elsewhere).collect();
         self.film.apply(&logs);
+        if let Some(chains) = &mut self.chains {
+            self.film.apply(&chains.run(&mut self.non_finite));
+        }
     }
 
     fn end_block(&self, done: u64, rays: RayCounts, clock: &mut Clock) {
         // Before every pixel has a sample there is no image to speak of.
         if done >= pixels(self.scene) {
-            clock.show(done, rays.total(), || self.image(done));
+            clock.show(done, self.all_rays(rays).total(), || self.image(done));
         }
     }
 
@@ -117,7 +143,26 @@ impl<'a> Canvas<'a> {
             passes: settings.wants_error().then(|| Passes::new(pixels)),
             target: Target::new(settings, pixels),
             non_finite: NonFinite::default(),
+            chains: None,
+            pilot_rays: RayCounts::default(),
         }
+    }
+
+    /// Lets a pilot divide the light between plain samples and chains.
+    fn divide(&mut self, start: Instant, observer: &dyn Observer) {
+        let pilot = Pilot::run(self.scene, self.settings.seed, || {
+            self.settings.pilot_is_over(start) || observer.interrupted()
+        });
+        let division = Division::new(self.scene, &pilot, self.settings.division);
+        let seed = self.settings.seed;
+        self.chains = Some(Redistribution::new(self.scene, division, seed));
+        self.pilot_rays = pilot.rays;
+    }
+
+    /// All rays, given those of the plain samples.
+    fn all_rays(&self, plain: RayCounts) -> RayCounts {
+        let chains = self.chains.iter().map(Redistribution::rays);
+        chains.chain([plain, self.pilot_rays]).sum()
     }
 
     /// The error of `image`, if it is wanted and known.
@@ -145,14 +190,16 @@ impl<'a> Canvas<'a> {
             .chain(warnings::error(self.settings, error.as_ref()))
             .chain(warnings::single(error.as_ref()))
             .collect();
-        let statistics = Statistics::new(
+        let multiplexed = self.chains.as_ref().map(MultiplexedStatistics::new);
+        let mut statistics = Statistics::new(
             self.scene,
             self.settings,
             [clock.elapsed(); 2],
             done,
-            sweep.rays(),
+            self.all_rays(sweep.rays()),
             self.non_finite,
         );
+        statistics.multiplexed = multiplexed;
         Rendering {
             image,
             error,

@@ -1,7 +1,10 @@
 //! What the user asks for.
 
+use std::time::Instant;
+
 use serde::Serialize;
 
+use super::DivisionSettings;
 use crate::integrators::Sampler;
 
 /// Pairs of a path sampler and a driver.
@@ -16,11 +19,19 @@ pub enum Integrator {
     Bdpt,
     /// Bidirectional path tracing by Metropolis in primary sample space.
     Pssmlt,
+    /// Multiplexed Metropolis beside plain bidirectional path tracing.
+    Mmlt,
 }
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Path, Self::Light, Self::Bdpt, Self::Pssmlt];
+    pub const ALL: [Self; 5] = [
+        Self::Path,
+        Self::Light,
+        Self::Bdpt,
+        Self::Pssmlt,
+        Self::Mmlt,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -29,6 +40,7 @@ impl Integrator {
             Self::Light => "light",
             Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
+            Self::Mmlt => "mmlt",
         }
     }
 
@@ -37,7 +49,7 @@ impl Integrator {
         match self {
             Self::Path => Sampler::Path,
             Self::Light => Sampler::Light,
-            Self::Bdpt | Self::Pssmlt => Sampler::Bidirectional,
+            Self::Bdpt | Self::Pssmlt | Self::Mmlt => Sampler::Bidirectional,
         }
     }
 
@@ -86,6 +98,8 @@ pub struct Settings {
     pub chains: u64,
     /// Number of bootstrap samples; `None` to go on until b is known well enough.
     pub bootstrap: Option<u64>,
+    /// How the multiplexed integrator divides light between plain samples and chains.
+    pub division: DivisionSettings,
 }
 
 impl Settings {
@@ -101,11 +115,21 @@ impl Settings {
             large_step_probability: 0.3,
             chains: 1024,
             bootstrap: None,
+            division: DivisionSettings::default(),
         }
     }
 }
 
 impl Settings {
+    /// True if a pilot that began at `start` has taken its part of a budget of time.
+    pub(super) fn pilot_is_over(&self, start: Instant) -> bool {
+        const PART: f64 = 0.03;
+        match self.budget {
+            Budget::Seconds(seconds) => start.elapsed().as_secs_f64() > PART * seconds,
+            Budget::SamplesPerPixel(_) | Budget::Unlimited => false,
+        }
+    }
+
     /// True if standard errors are to be estimated, for their own sake or for a target.
     pub fn wants_error(&self) -> bool {
         self.error || self.target_error.is_some()

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::redistribution::Redistribution;
 use super::{Integrator, NonFinite, Origin, Settings, warnings};
 use crate::markov::ChainCounters;
 use crate::scene::{RayCounts, Scene};
@@ -38,6 +39,9 @@ pub struct Statistics {
     /// For Metropolis integrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metropolis: Option<MetropolisStatistics>,
+    /// For the multiplexed integrator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplexed: Option<MultiplexedStatistics>,
 }
 
 /// Figures of the Markov chains.
@@ -63,6 +67,34 @@ pub struct MetropolisStatistics {
     pub longest_rejection_run: u64,
     /// Chains that have been in one state for more than half of their mutations.
     pub stuck_chains: u64,
+}
+
+/// Figures of the chains beside plain sampling.
+#[derive(Clone, Debug, Serialize)]
+pub struct MultiplexedStatistics {
+    /// How bright a path is, in units of the importance map, beyond which chains carry the excess.
+    pub threshold: f32,
+    /// Energy of a mutation, in units of the importance map and of one plain sample per pixel.
+    pub energy_per_mutation: f64,
+    /// Chains that were started.
+    pub chains: u64,
+    /// Their mutations.
+    pub mutations: StepStatistics,
+    /// Longest run of rejections of any chain.
+    pub longest_rejection_run: u64,
+}
+
+impl MultiplexedStatistics {
+    pub(super) fn new(chains: &Redistribution) -> Self {
+        let (division, work) = (chains.division(), &chains.work);
+        Self {
+            threshold: division.threshold,
+            energy_per_mutation: division.energy,
+            chains: work.chains,
+            mutations: StepStatistics::new(work.counters.small),
+            longest_rejection_run: work.counters.longest_rejection_run,
+        }
+    }
 }
 
 /// Figures of one kind of step.
@@ -115,6 +147,7 @@ impl Statistics {
             non_finite: non_finite.count,
             non_finite_origins: non_finite.origins,
             metropolis: None,
+            multiplexed: None,
         }
     }
 }

@@ -45,7 +45,9 @@ impl Raster {
     }
 }
 
-/// Fresh coordinates, but for the film position, which a pixel's filter has chosen.
+/// Fresh coordinates, but for the film position, which a pixel's filter has chosen. A copy made before
+/// the coordinates are read gives the same sample again.
+#[derive(Clone, Debug)]
 pub(super) struct AtPixel {
     film: Vec2,
     fresh: FreshCoordinates,

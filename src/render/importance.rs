@@ -1,0 +1,148 @@
+//! An importance map of the image: a coarse picture of how bright it is, so that dark regions get
+//! their share of the work (Veach and Guibas 1997, "Metropolis light transport", section 5.3; Hoberock
+//! and Hart 2010, "Arbitrary importance functions for Metropolis light transport").
+
+use crate::film::Splat;
+use crate::math::luminance;
+
+/// Brightness that is expected at every place of the film, in the unit of the image: positive
+/// everywhere, and constant within cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportanceMap {
+    columns: usize,
+    rows: usize,
+    cells: Vec<f32>,
+}
+
+impl ImportanceMap {
+    /// Samples that a cell should have on average.
+    const SAMPLES: f64 = 64.0;
+
+    /// Most cells.
+    const MOST: f64 = 1024.0;
+
+    /// No cell is expected to be darker than this part of the mean of the image: what lies in the dark
+    /// may have been missed.
+    const DARKEST: f64 = 0.02;
+
+    /// A splat counts for no more than this many times the mean of the image, lest a single bright path
+    /// brighten its cell.
+    const BRIGHTEST: f64 = 50.0;
+
+    /// The brightness `level` > 0 everywhere.
+    pub fn uniform(level: f32) -> Self {
+        Self {
+            columns: 1,
+            rows: 1,
+            cells: vec![level],
+        }
+    }
+
+    /// From the splats of `samples` uniform samples of a film of `size` pixels, blurred by one cell.
+    pub fn new(splats: &[Splat], samples: u64, size: [u32; 2]) -> Self {
+        let mean = Self::mean(splats, samples);
+        if mean <= 0.0 {
+            return Self::uniform(1.0);
+        }
+        let cells = (samples as f64 / Self::SAMPLES).clamp(1.0, Self::MOST);
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let columns = (cells * aspect).sqrt().round().clamp(1.0, Self::MOST) as usize;
+        let rows = ((cells / columns as f64).round() as usize).max(1);
+        let mut map = Self {
+            columns,
+            rows,
+            cells: vec![0.0; columns * rows],
+        };
+        let mut sums = vec![0.0; columns * rows];
+        for splat in splats {
+            sums[map.cell(splat.position)] += brightness(splat).min(Self::BRIGHTEST * mean);
+        }
+        let per_sample = (columns * rows) as f64 / samples as f64;
+        for row in 0..rows {
+            for column in 0..columns {
+                let cell = map.blurred(&sums, column, row) * per_sample;
+                map.cells[row * columns + column] = cell.max(Self::DARKEST * mean) as f32;
+            }
+        }
+        map
+    }
+
+    /// Mean brightness of the image that `samples` uniform samples show.
+    pub fn mean(splats: &[Splat], samples: u64) -> f64 {
+        splats.iter().map(brightness).sum::<f64>() / samples.max(1) as f64
+    }
+
+    /// The brightness expected at `position`, in [0, 1)^2.
+    #[inline]
+    pub fn at(&self, position: [f32; 2]) -> f32 {
+        self.cells[self.cell(position)]
+    }
+
+    #[inline]
+    fn cell(&self, [x, y]: [f32; 2]) -> usize {
+        let column = ((x * self.columns as f32) as usize).min(self.columns - 1);
+        let row = ((y * self.rows as f32) as usize).min(self.rows - 1);
+        row * self.columns + column
+    }
+
+    /// The binomial filter (1, 2, 1)/4 along both sides, cut off at the border.
+    fn blurred(&self, sums: &[f64], column: usize, row: usize) -> f64 {
+        let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for y in around(row, self.rows) {
+            for x in around(column, self.columns) {
+                let weight = if x == column { 2.0 } else { 1.0 } * if y == row { 2.0 } else { 1.0 };
+                sum += weight * sums[y * self.columns + x];
+                weights += weight;
+            }
+        }
+        sum / weights
+    }
+}
+
+fn brightness(splat: &Splat) -> f64 {
+    f64::from(luminance(splat.value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rgb;
+
+    /// One splat in the middle of each cell of a 32 x 32 grid, dark to the left and bright to the right.
+    fn two_halves() -> Vec<Splat> {
+        let side = 256;
+        let splat = |i: usize| {
+            let position = [i % side, i / side].map(|j| (j as f32 + 0.5) / side as f32);
+            let value = Rgb::splat(if position[0] < 0.5 { 1.0 } else { 3.0 });
+            Splat { position, value }
+        };
+        (0..side * side).map(splat).collect()
+    }
+
+    #[test]
+    fn a_map_shows_what_the_samples_show() {
+        let splats = two_halves();
+        let map = ImportanceMap::new(&splats, splats.len() as u64, [64, 64]);
+        for (position, expected) in [([0.1, 0.5], 1.0), ([0.9, 0.1], 3.0), ([0.7, 0.99], 3.0)] {
+            let found = map.at(position);
+            assert!((found - expected).abs() < 1e-3, "{position:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn neither_darkness_nor_a_single_bright_splat_spoils_a_map() {
+        let mut splats = two_halves();
+        let samples = splats.len() as u64;
+        splats.retain(|splat| splat.position[0] > 0.5);
+        splats.push(Splat {
+            position: [0.75, 0.5],
+            value: Rgb::splat(1e4),
+        });
+        let map = ImportanceMap::new(&splats, samples, [64, 64]);
+        let dark = map.at([0.1, 0.5]);
+        assert!(dark > 0.02 && dark < 0.05, "{dark}");
+        let bright = map.at([0.75, 0.5]);
+        assert!(bright < 5.0, "{bright}");
+    }
+}
