@@ -50,7 +50,7 @@ impl Outputs {
     pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
         write_rendering(&self.exr, rendering, report)?;
         if let Some(path) = &self.stats {
-            replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;
+            write_json(path, report)?;
         }
         Ok(())
     }
@@ -69,9 +69,19 @@ pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> mie
     write_png(&exr.with_extension("png"), image).into_diagnostic()
 }
 
+/// Writes a file whole, or leaves what is there.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> miette::Result<()> {
+    replace_file(path, |writer| writer.write_all(bytes)).into_diagnostic()
+}
+
 /// Writes a text file.
 pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
-    replace_file(path, |writer| writer.write_all(text.as_bytes())).into_diagnostic()
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a JSON file for people to read as well.
+pub fn write_json(path: &Path, value: &Value) -> miette::Result<()> {
+    write_text(path, &format!("{value:#}\n"))
 }
 
 /// Makes a directory, and those above it, unless there is one.

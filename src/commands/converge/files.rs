@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use metrolight::convergence::{
     Cost, Curve, Measure, Outcome, Variant, comparison, convergence_chart,
 };
-use metrolight::film::{Image, check_writable, replace_file, write_exr, write_png};
+use metrolight::film::{Image, check_writable, write_exr, write_png};
 use metrolight::plot::rasterize;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};
@@ -68,29 +68,24 @@ impl Files {
         outcome: &Outcome,
     ) -> miette::Result<()> {
         let table = csv_table(variants, &reference.image, outcome).into_diagnostic()?;
-        self.write_bytes("convergence.csv", &table)?;
+        output::write_bytes(&self.path("convergence.csv"), &table)?;
         let svg = convergence_chart(scene_name, variants, curves, reference.relative_mse)
             .into_diagnostic()?;
-        self.write_bytes("convergence.svg", svg.as_bytes())?;
+        output::write_text(&self.path("convergence.svg"), &svg)?;
         let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
-        self.write_bytes("convergence.png", &png)?;
+        output::write_bytes(&self.path("convergence.png"), &png)?;
         for (stem, image) in self.stems.iter().zip(&outcome.images) {
             self.write_images(stem, image, &reference.image)?;
         }
         let summary = self.summary_json(settings, reference, variants, curves, outcome);
-        self.write_bytes("convergence.json", format!("{summary:#}\n").as_bytes())
-    }
-
-    fn write_bytes(&self, name: &str, bytes: &[u8]) -> miette::Result<()> {
-        use std::io::Write;
-        replace_file(&self.path(name), |writer| writer.write_all(bytes)).into_diagnostic()
+        output::write_json(&self.path("convergence.json"), &summary)
     }
 
     fn write_images(&self, stem: &str, image: &Image, reference: &Image) -> miette::Result<()> {
         write_exr(&self.path(&format!("{stem}.exr")), image, &[], &[]).into_diagnostic()?;
         write_png(&self.path(&format!("{stem}.png")), image).into_diagnostic()?;
         let error = relative_map(image, reference)?;
-        self.write_bytes(&format!("{stem}-error.png"), &error)
+        output::write_bytes(&self.path(&format!("{stem}-error.png")), &error)
     }
 
     fn summary_json(
