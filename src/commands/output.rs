@@ -56,13 +56,16 @@ impl Outputs {
     }
 }
 
+/// The layer of standard errors in an image that was rendered with `--error`.
+pub const STANDARD_ERROR: &str = "standard_error";
+
 /// Writes the image to `exr`, with its error as a layer and `report` as attributes, and the preview
 /// beside it.
 pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> miette::Result<()> {
     let image = &rendering.image;
     let error = rendering.error.as_ref();
     let layers: Vec<ExrLayer> = error
-        .map(|error| ("standard_error", &*error.standard_errors))
+        .map(|error| (STANDARD_ERROR, &*error.standard_errors))
         .into_iter()
         .collect();
     write_exr(exr, image, &layers, &attributes(report)).into_diagnostic()?;
