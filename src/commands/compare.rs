@@ -4,7 +4,7 @@ use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 use metrolight::film::{AnnotatedImage, Image, check_writable, flip};
-use metrolight::render::Observer;
+use metrolight::render::{ErrorEstimate, Observer};
 use metrolight::statistics::{BiasTest, Estimate, image_errors, test_bias};
 use miette::{IntoDiagnostic, bail};
 
@@ -45,9 +45,6 @@ pub struct Args {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
-
-/// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
-const MANY_SINGLE: f64 = 0.05;
 
 /// Seconds of work left from which on a log is told of it.
 const WORTH_TELLING: f64 = 2.0;
@@ -184,7 +181,7 @@ fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
             ));
         }
         let single = image.number("metrolight.error.pixels_resting_on_one_part");
-        if let Some(single) = single.filter(|&share| share > MANY_SINGLE) {
+        if let Some(single) = single.filter(|&share| share > ErrorEstimate::MANY_SINGLE) {
             notes.push(format!(
                 "in {:.0}% of the pixels of {name} nearly all variance comes from one part of the \
                  samples: its errors are probably larger than it says, and the test sees bias where \
