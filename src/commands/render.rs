@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u64).range(1..),
+        value_parser = values::positive,
         conflicts_with = "time",
         help = spp_help()
     )]
@@ -84,7 +84,7 @@ pub struct Args {
 
     /// pssmlt: number of bootstrap samples
     /// [default: until the standard error of b is small]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::positive)]
     bootstrap: Option<u64>,
 
     /// Estimate the standard error of every pixel: adds the channels standard_error.R, .G and .B to

@@ -49,12 +49,7 @@ pub struct Args {
     output: PathBuf,
 
     /// Samples per pixel
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 32,
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 32)]
     spp: u64,
 
     /// Seed of all random numbers
