@@ -73,7 +73,10 @@ fn compare(program: &Path, subject: &Subject) {
         let row = row(&rays, &turns[1..]);
         let differ = differ(subject, &rays, &mut others[1]);
         let (name, triangles) = (&subject.name, subject.triangles.len());
-        println!("| {name} | {triangles} | {} | {row} | {differ:.1e} |", rays.name);
+        println!(
+            "| {name} | {triangles} | {} | {row} | {differ:.1e} |",
+            rays.name
+        );
     }
 }
 
@@ -91,7 +94,10 @@ fn row(rays: &Rays, turns: &[[f64; 3]]) -> String {
     };
     let ratio = |side: usize| {
         let [least, median, greatest] = spread(turns.iter().map(|turn| turn[side] / turn[0]));
-        format!("{:.2} | **{median:.2}** ({least:.2} to {greatest:.2})", rate(side))
+        format!(
+            "{:.2} | **{median:.2}** ({least:.2} to {greatest:.2})",
+            rate(side)
+        )
     };
     format!("{:.2} | {} | {}", rate(0), ratio(1), ratio(2))
 }
@@ -100,7 +106,11 @@ fn row(rays: &Rays, turns: &[[f64; 3]]) -> String {
 fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
-    [values[0], values[values.len() / 2], values[values.len() - 1]]
+    [
+        values[0],
+        values[values.len() / 2],
+        values[values.len() - 1],
+    ]
 }
 
 /// The share of rays that meet something else, or nothing where the other meets something.
@@ -108,7 +118,8 @@ fn differ(subject: &Subject, rays: &Rays, other: &mut Embree) -> f64 {
     let verb = if rays.shadow { "check" } else { "find" };
     let own = rays.found(&subject.scene);
     let pairs = own.iter().zip(other.found(verb, rays.name));
-    let differ = pairs.filter(|&(&a, b)| a != b && (a - b).abs().partial_cmp(&SAME).is_none_or(|o| o.is_gt()));
+    let differ = pairs
+        .filter(|&(&a, b)| a != b && (a - b).abs().partial_cmp(&SAME).is_none_or(|o| o.is_gt()));
     differ.count() as f64 / own.len() as f64
 }
 
@@ -120,7 +131,10 @@ fn leaks(program: &Path) {
     let rays = rays::to_edges(&subject, EDGES);
     embree::write(&directory.path().join(rays.name), rays.floats());
     let escaped = |found: Vec<f32>| found.iter().filter(|t| t.is_infinite()).count();
-    println!("| Metrolight | {} of {EDGES} |", escaped(rays.found(&subject.scene)));
+    println!(
+        "| Metrolight | {} of {EDGES} |",
+        escaped(rays.found(&subject.scene))
+    );
     for (mode, other) in MODES.iter().zip(&mut others) {
         let count = escaped(other.found("find", rays.name));
         println!("| Embree, {mode} | {count} of {EDGES} |");

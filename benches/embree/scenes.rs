@@ -73,8 +73,11 @@ pub fn clutter(name: &str, n: u32) -> Subject {
         let turn = DQuat::from_euler(glam::EulerRot::XYZ, number(), number(), number());
         let center = DVec3::new(number(), number(), number()) * 0.75;
         let size = 0.25 + 0.15 * number();
-        let place =
-            DMat4::from_scale_rotation_translation(DVec3::new(size, size, 0.6 * size), turn, center);
+        let place = DMat4::from_scale_rotation_translation(
+            DVec3::new(size, size, 0.6 * size),
+            turn,
+            center,
+        );
         shapes.push(shape(bumpy_ball(n), place));
     }
     Subject::new(name, description(shapes))
