@@ -10,11 +10,11 @@ mod rays;
 mod scenes;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use embree::Embree;
 use metrolight::scene::SCENE_RADIUS;
 use rays::Rays;
+use rustix::time::{ClockId, clock_gettime};
 use scenes::Subject;
 
 /// Rays of each kind.
@@ -64,9 +64,9 @@ fn compare(program: &Path, subject: &Subject) {
         let verb = if rays.shadow { "shadow" } else { "closest" };
         let mut turns = Vec::new();
         for _ in 0..TURNS {
-            let start = Instant::now();
+            let start = seconds();
             rays.trace(&subject.scene);
-            let own = start.elapsed().as_secs_f64();
+            let own = seconds() - start;
             let [a, b] = &mut others;
             turns.push([own, a.time(verb, rays.name), b.time(verb, rays.name)]);
         }
@@ -78,6 +78,12 @@ fn compare(program: &Path, subject: &Subject) {
             rays.name
         );
     }
+}
+
+/// Of this thread, so that it matters little what else the machine does.
+fn seconds() -> f64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
 fn start(program: &Path, directory: &Path, subject: &Subject) -> [Embree; 2] {

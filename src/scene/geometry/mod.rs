@@ -2,6 +2,7 @@
 
 mod collapse;
 mod hierarchy;
+mod pages;
 mod primitive;
 mod shape;
 mod sphere;
@@ -17,6 +18,7 @@ use obvhs::aabb::Aabb;
 
 use super::{Ray, SCENE_RADIUS, SurfacePoint, TriangleMesh};
 use hierarchy::Hierarchy;
+use pages::Pages;
 use primitive::{Ball, PADDING, Primitive, Primitives};
 use shape::{Attributes, MeshAttributes, Shape, cross};
 use traversal::{Kind, Node};
@@ -60,7 +62,7 @@ impl std::iter::Sum for RayCounts {
 
 /// All surfaces of a scene.
 pub struct Geometry {
-    nodes: Vec<Node>,
+    nodes: Pages<Node>,
     primitives: Primitives,
     /// The box around all primitives, padded.
     bounds: Aabb,
@@ -366,12 +368,13 @@ impl GeometryBuilder {
             .primitives
             .iter()
             .fold(Aabb::INVALID, |all, primitive| all.union(&primitive.aabb()));
+        let triangles = self.primitives.len() - self.spheres;
         Geometry {
-            nodes,
-            primitives: Primitives::new(&self.primitives, &leaves),
+            nodes: Pages::copy_of(&nodes),
+            primitives: Primitives::new(self.primitives, &leaves, self.spheres),
             bounds,
             shapes: self.shapes,
-            triangles: self.primitives.len() - self.spheres,
+            triangles,
             degenerate: self.degenerate,
         }
     }

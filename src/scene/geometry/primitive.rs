@@ -1,8 +1,10 @@
 //! What the acceleration structure holds.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use obvhs::{Boundable, aabb::Aabb};
 
+use super::pages::Pages;
 use super::triangle::{Corners, LANES, Packet};
 use crate::scene::SCENE_RADIUS;
 
@@ -55,7 +57,7 @@ impl Boundable for Primitive {
 }
 
 /// A sphere.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Ball {
     pub center: [f32; 3],
     pub radius: f32,
@@ -63,7 +65,8 @@ pub struct Ball {
 }
 
 /// What belongs to a triangle and is asked for once a ray has met it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 struct Owner {
     shape: u32,
     vertices: [u32; 3],
@@ -71,59 +74,54 @@ struct Owner {
 
 /// All primitives, in the leaves' order: triangles by [`LANES`], each leaf's in a packet of its own, then
 /// spheres. A primitive's number counts the empty places of packets.
-#[derive(Default)]
 pub struct Primitives {
-    pub packets: Vec<Packet>,
+    pub packets: Pages<Packet>,
+    owners: Pages<[Owner; LANES]>,
     pub spheres: Vec<Ball>,
-    owners: Vec<[Owner; LANES]>,
 }
 
-impl Primitives {
-    /// From primitives in the order of the leaves, and the numbers of primitives in these.
-    pub fn new(primitives: &[Primitive], leaves: &[u8]) -> Self {
-        let mut all = Self::default();
-        let is_sphere = |p: &&Primitive| matches!(p, Primitive::Sphere { .. });
-        let spheres = primitives.iter().filter(is_sphere).count();
-        all.packets.reserve_exact(leaves.len() - spheres);
-        all.owners.reserve_exact(leaves.len() - spheres);
-        all.spheres.reserve_exact(spheres);
-        let mut rest = primitives;
-        for &count in leaves {
-            let (leaf, others) = rest.split_at(count.into());
-            rest = others;
-            all.add_leaf(leaf);
-        }
-        all
-    }
+/// Memory is given back whenever so many primitives have been packed.
+const GIVE_BACK: usize = 1 << 16;
 
-    fn add_leaf(&mut self, leaf: &[Primitive]) {
-        let mut owners = [Owner::default(); LANES];
-        let mut triangles = [[[f32::NAN; 3]; 3]; LANES];
-        for (i, primitive) in leaf.iter().enumerate() {
-            match *primitive {
-                Primitive::Triangle {
-                    corners,
-                    shape,
-                    vertices,
-                } => {
-                    triangles[i] = corners;
-                    owners[i] = Owner { shape, vertices };
-                }
+impl Primitives {
+    /// From primitives in the order of the leaves, the numbers of primitives in these, and the number of
+    /// spheres among them.
+    pub fn new(mut primitives: Vec<Primitive>, leaves: &[u8], spheres: usize) -> Self {
+        let packets = leaves.len() - spheres;
+        let mut all = Self {
+            packets: Pages::zeroed(packets),
+            owners: Pages::zeroed(packets),
+            spheres: vec![Ball::default(); spheres],
+        };
+        // From the back, so that what has been packed can be given back.
+        let (mut packet, mut sphere) = (packets, spheres);
+        for &count in leaves.iter().rev() {
+            let rest = primitives.len() - usize::from(count);
+            let leaf = &primitives[rest..];
+            if let &[
                 Primitive::Sphere {
                     center,
                     radius,
                     shape,
-                } => {
-                    return self.spheres.push(Ball {
-                        center,
-                        radius,
-                        shape,
-                    });
-                }
+                },
+            ] = leaf
+            {
+                sphere -= 1;
+                all.spheres[sphere] = Ball {
+                    center,
+                    radius,
+                    shape,
+                };
+            } else {
+                packet -= 1;
+                (all.packets[packet], all.owners[packet]) = pack(leaf);
+            }
+            primitives.truncate(rest);
+            if primitives.capacity() - rest > GIVE_BACK {
+                primitives.shrink_to_fit();
             }
         }
-        self.packets.push(Packet::new(triangles));
-        self.owners.push(owners);
+        all
     }
 
     /// The number of the triangle at `lane` of a packet.
@@ -172,4 +170,22 @@ impl Primitives {
             + size_of_val(&self.owners[..])
             + size_of_val(&self.spheres[..])
     }
+}
+
+/// The triangles of a leaf.
+fn pack(leaf: &[Primitive]) -> (Packet, [Owner; LANES]) {
+    let mut owners = [Owner::zeroed(); LANES];
+    let mut triangles = [[[f32::NAN; 3]; 3]; LANES];
+    for (i, primitive) in leaf.iter().enumerate() {
+        if let &Primitive::Triangle {
+            corners,
+            shape,
+            vertices,
+        } = primitive
+        {
+            triangles[i] = corners;
+            owners[i] = Owner { shape, vertices };
+        }
+    }
+    (Packet::new(triangles), owners)
 }

@@ -5,6 +5,7 @@
 //! those that begin beyond a hit are dropped from the stack.
 
 use arrayvec::ArrayVec;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use wide::f32x8;
 
@@ -20,7 +21,8 @@ pub const MAX_DEPTH: u32 = 30;
 const STACK: usize = (WIDTH - 1) * MAX_DEPTH as usize + WIDTH + 1;
 
 /// A node or leaf, in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct Child(u32);
 
 /// What a [`Child`] is.
@@ -62,12 +64,14 @@ impl Child {
 }
 
 /// Boxes and what is in them.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub struct Node {
     /// For each axis the lower and the upper planes of all children's boxes.
     planes: [[f32x8; 2]; 3],
     children: [Child; WIDTH],
+    /// Nodes begin with a line of the cache.
+    padding: [u32; 8],
 }
 
 impl Node {
@@ -86,6 +90,7 @@ impl Node {
         Self {
             planes: planes.map(|planes| planes.map(f32x8::new)),
             children: words,
+            padding: [0; 8],
         }
     }
 

@@ -3,6 +3,7 @@
 //! corner always meets one of the triangles there, because neighbours compute the same edge function
 //! with opposite signs.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use wide::f32x4;
 
@@ -13,7 +14,8 @@ pub type Corners = [[f32; 3]; 3];
 pub const LANES: usize = 4;
 
 /// Up to four triangles; the corners of those that are not there are not numbers, and no ray meets them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub struct Packet {
     /// For each axis that coordinate of the first, second and third corners.
     axes: [[f32x4; 3]; 3],

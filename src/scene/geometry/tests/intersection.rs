@@ -1,6 +1,7 @@
 use glam::{DMat4, DVec3, Vec3A};
 
 use crate::scene::geometry::hierarchy::{Quality, build_with, depth};
+use crate::scene::geometry::pages::Pages;
 use crate::scene::geometry::primitive::{Primitive, Primitives};
 use crate::scene::geometry::traversal::MAX_DEPTH;
 use crate::scene::geometry::triangle::{Packet, Shear};
@@ -235,8 +236,8 @@ fn piles_and_nests_can_be_built() {
             // The tree that is made when the best is too deep.
             let mut all: Vec<Primitive> = scene.geometry.primitives.iter().map(|p| p.1).collect();
             let hierarchy = build_with(&mut all, quality);
-            scene.geometry.primitives = Primitives::new(&all, &hierarchy.leaves);
-            scene.geometry.nodes = hierarchy.nodes;
+            scene.geometry.primitives = Primitives::new(all, &hierarchy.leaves, 0);
+            scene.geometry.nodes = Pages::copy_of(&hierarchy.nodes);
         }
         let depth = depth(&scene.geometry.nodes);
         assert!(depth > 3 && depth <= MAX_DEPTH, "{quality:?}: {depth}");
