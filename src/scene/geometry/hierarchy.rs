@@ -14,6 +14,7 @@ use obvhs::{
 use rayon::prelude::*;
 
 use super::collapse::Collapse;
+use super::pages::Pages;
 use super::primitive::Primitive;
 use super::traversal::{Child, Kind, MAX_DEPTH, Node};
 use super::triangle::LANES;
@@ -40,10 +41,9 @@ pub enum Quality {
 }
 
 /// What construction leaves.
-#[derive(Default)]
 pub struct Hierarchy {
     /// The tree; the first node is the root.
-    pub nodes: Vec<Node>,
+    pub nodes: Pages<Node>,
     /// Numbers of primitives in the leaves, in the order of the primitives: up to [`LANES`] triangles, or
     /// a sphere. The n-th leaf with triangles is packet n.
     pub leaves: Vec<u8>,
@@ -62,7 +62,10 @@ pub fn build(primitives: &mut [Primitive]) -> Hierarchy {
 /// The hierarchy, and `primitives` in its order, of a given quality whatever its depth.
 pub fn build_with(primitives: &mut [Primitive], quality: Quality) -> Hierarchy {
     if primitives.is_empty() {
-        return Hierarchy::default();
+        return Hierarchy {
+            nodes: Pages::zeroed(0),
+            leaves: Vec::new(),
+        };
     }
     let top = Tree::grow(primitives, CHUNK, quality);
     let mut rest = &mut *primitives;
@@ -81,7 +84,8 @@ pub fn build_with(primitives: &mut [Primitive], quality: Quality) -> Hierarchy {
 
 /// A part of the scene, with a hierarchy of its own.
 struct Chunk {
-    hierarchy: Hierarchy,
+    nodes: Vec<Node>,
+    leaves: Vec<u8>,
     /// Numbers of leaves of either kind.
     packets: u32,
     spheres: u32,
@@ -99,7 +103,7 @@ impl Chunk {
         let mut leaves = Vec::new();
         let (mut packets, mut spheres) = (0, 0);
         let collapse = Collapse::new(&binary, LANES as u32, is_triangle);
-        let nodes = collapse.finish(&mut |members| {
+        let mut nodes = collapse.finish(&mut |members| {
             order.extend_from_slice(members);
             leaves.push(members.len() as u8);
             let (count, kind): (_, fn(u32) -> Kind) = if is_triangle(members[0]) {
@@ -114,8 +118,10 @@ impl Chunk {
         for (primitive, i) in primitives.iter_mut().zip(order) {
             *primitive = before[i as usize];
         }
+        nodes.shrink_to_fit();
         Self {
-            hierarchy: Hierarchy { nodes, leaves },
+            nodes,
+            leaves,
             packets,
             spheres,
         }
@@ -125,37 +131,40 @@ impl Chunk {
 /// One tree from that over the chunks, whose leaves are the chunks, and the chunks.
 fn join(top: &Bvh2, mut chunks: Vec<Chunk>) -> Hierarchy {
     if chunks.len() == 1 {
-        return chunks.remove(0).hierarchy;
+        let Chunk { nodes, leaves, .. } = chunks.remove(0);
+        return Hierarchy {
+            nodes: Pages::copy_of(&nodes),
+            leaves,
+        };
     }
     // Leaves stand for chunks until it is known where their nodes go.
-    let mut nodes =
+    let mut top =
         Collapse::new(top, 1, |_| true).finish(&mut |chunk| Child::new(Kind::Triangles(chunk[0])));
-    let firsts: Vec<u32> = chunks
-        .iter()
-        .scan(nodes.len() as u32, |first, chunk| {
-            let this = *first;
-            *first += chunk.hierarchy.nodes.len() as u32;
-            Some(this)
-        })
-        .collect();
-    for node in &mut nodes {
+    let mut firsts = Vec::with_capacity(chunks.len());
+    let mut first = top.len();
+    for chunk in &chunks {
+        firsts.push(first as u32);
+        first += chunk.nodes.len();
+    }
+    for node in &mut top {
         node.map(|child| match child {
             Kind::Triangles(chunk) => Kind::Node(firsts[chunk as usize]),
             other => other,
         });
     }
+    let mut nodes = Pages::zeroed(first);
+    nodes[..top.len()].copy_from_slice(&top);
     let (mut leaves, mut packets, mut spheres) = (Vec::new(), 0, 0);
-    for chunk in chunks {
-        let first = nodes.len() as u32;
-        nodes.extend(chunk.hierarchy.nodes.into_iter().map(|mut node| {
+    for (chunk, first) in chunks.into_iter().zip(firsts) {
+        for (to, mut node) in nodes[first as usize..].iter_mut().zip(chunk.nodes) {
             node.map(|child| match child {
                 Kind::Node(node) => Kind::Node(node + first),
                 Kind::Triangles(packet) => Kind::Triangles(packet + packets),
                 Kind::Sphere(sphere) => Kind::Sphere(sphere + spheres),
             });
-            node
-        }));
-        leaves.extend(chunk.hierarchy.leaves);
+            *to = node;
+        }
+        leaves.extend(chunk.leaves);
         packets += chunk.packets;
         spheres += chunk.spheres;
     }

@@ -370,7 +370,7 @@ impl GeometryBuilder {
             .fold(Aabb::INVALID, |all, primitive| all.union(&primitive.aabb()));
         let triangles = self.primitives.len() - self.spheres;
         Geometry {
-            nodes: Pages::copy_of(&nodes),
+            nodes,
             primitives: Primitives::new(self.primitives, &leaves, self.spheres),
             bounds,
             shapes: self.shapes,
