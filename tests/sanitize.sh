@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The acceleration structure's crate is the only part of a render with `unsafe` code. This builds and
-# traverses hierarchies under tools that see a read or write out of bounds: AddressSanitizer, fast
+# The crates under the acceleration structure (its construction, vectors of numbers, memory maps) are the
+# only part of a render with `unsafe` code. This builds and traverses hierarchies under tools that see a
+# read or write out of bounds: AddressSanitizer, fast
 # enough for all tests of the geometry, and Miri, which sees all undefined behaviour, for a small one.
 #
 #     tests/sanitize.sh [address|miri]

@@ -3,12 +3,14 @@
 use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{AnnotatedImage, Decode, Image, check_writable, flip, read_annotated};
-use metrolight::render::Observer;
+use metrolight::film::{AnnotatedImage, Image, check_writable, flip};
+use metrolight::render::{ErrorEstimate, Observer};
 use metrolight::statistics::{BiasTest, Estimate, image_errors, test_bias};
-use miette::{IntoDiagnostic, bail, miette};
+use miette::{IntoDiagnostic, bail};
 
 use super::comparison::{Comparison, FILES};
+use super::input::read;
+use super::output::STANDARD_ERROR;
 use super::progress::Progress;
 use super::{Outcome, interrupt, say, tell};
 
@@ -43,12 +45,6 @@ pub struct Args {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
-
-/// The layer of standard errors that `render --error` writes.
-const ERRORS: &str = "standard_error";
-
-/// Errors from this share of pixels on rest on single paths: then tests are not to be trusted.
-const MANY_SINGLE: f64 = 0.05;
 
 /// Seconds of work left from which on a log is told of it.
 const WORTH_TELLING: f64 = 2.0;
@@ -86,44 +82,6 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         say(comparison.text(args.output.as_deref()));
     }
     Ok(Outcome::Done)
-}
-
-/// An image whose pixels are all numbers.
-fn read(path: &Path) -> miette::Result<AnnotatedImage> {
-    let annotated = read_annotated(path, Decode::Srgb)
-        .map_err(|error| miette!("{}: {error}", path.display()))?;
-    check_finite(path, "", annotated.image.width, &annotated.image.pixels)?;
-    if let Some(errors) = annotated.layers.get(ERRORS) {
-        check_finite(path, &format!("{ERRORS}."), annotated.image.width, errors)?;
-    }
-    Ok(annotated)
-}
-
-fn check_finite(
-    path: &Path,
-    prefix: &str,
-    width: usize,
-    pixels: &[[f32; 3]],
-) -> miette::Result<()> {
-    let is_finite = |pixel: &[f32; 3]| pixel.iter().all(|v| v.is_finite());
-    let Some(i) = pixels.iter().position(|pixel| !is_finite(pixel)) else {
-        return Ok(());
-    };
-    let channel = pixels[i].iter().position(|v| !v.is_finite()).unwrap_or(0);
-    let count = pixels.iter().filter(|pixel| !is_finite(pixel)).count();
-    let more = match count {
-        1 => String::new(),
-        n => format!(", and so are {} more pixels", n - 1),
-    };
-    bail!(
-        "{}: channel {prefix}{} of the pixel in column {}, row {} (from 0, at the top left) is {}{more}: \
-         only numbers can be compared",
-        path.display(),
-        ["R", "G", "B"][channel],
-        i % width,
-        i / width,
-        pixels[i][channel]
-    )
 }
 
 /// Makes the directory and checks that all files can be written.
@@ -183,7 +141,7 @@ fn estimate(image: &AnnotatedImage) -> Option<Estimate<'_>> {
     let parts = image.number("metrolight.error.independent_parts");
     Some(Estimate {
         pixels: &image.image.pixels,
-        standard_errors: image.layers.get(ERRORS)?,
+        standard_errors: image.layers.get(STANDARD_ERROR)?,
         parts: parts.filter(|&n| n >= 2.0).map(|n| n as u64),
         independent_pixels: image.text("metrolight.integrator") == Some("path"),
     })
@@ -223,7 +181,7 @@ fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
             ));
         }
         let single = image.number("metrolight.error.pixels_resting_on_one_part");
-        if let Some(single) = single.filter(|&share| share > MANY_SINGLE) {
+        if let Some(single) = single.filter(|&share| share > ErrorEstimate::MANY_SINGLE) {
             notes.push(format!(
                 "in {:.0}% of the pixels of {name} nearly all variance comes from one part of the \
                  samples: its errors are probably larger than it says, and the test sees bias where \

@@ -1,13 +1,14 @@
 //! What `metrolight compare` has found: as text, as JSON, and as images of the errors.
 
-use std::io::Write;
 use std::path::Path;
 
-use metrolight::film::{Flip, Image, WriteError, replace_file};
+use metrolight::film::{Flip, Image};
 use metrolight::plot::{Picture, PlotError, draw_with_scale, rasterize};
 use metrolight::statistics::{BiasTest, BiasVerdict, ImageError, bias, relative_square_errors};
 use miette::IntoDiagnostic;
 use serde_json::json;
+
+use super::output::{write_bytes, write_json};
 
 /// The files that are written.
 pub const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
@@ -175,10 +176,9 @@ impl Comparison<'_> {
             (FILES[1], rasterize(&flip, 1.0).into_diagnostic()?),
         ];
         for (name, png) in maps {
-            write(&directory.join(name), &png).into_diagnostic()?;
+            write_bytes(&directory.join(name), &png)?;
         }
-        let json = format!("{report:#}\n");
-        write(&directory.join(FILES[2]), json.as_bytes()).into_diagnostic()
+        write_json(&directory.join(FILES[2]), report)
     }
 
     fn flip_map(&self, width: usize) -> Result<String, PlotError> {
@@ -212,10 +212,6 @@ fn exposures_text(flip: &Flip) -> String {
         1 => format!("exposure {start:+.1} stops"),
         n => format!("{n} exposures from {start:+.1} to {stop:+.1} stops"),
     }
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    replace_file(path, |writer| writer.write_all(bytes))
 }
 
 /// Relative errors that are labelled on the scale of colours; the first is black and all below it, the

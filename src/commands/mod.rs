@@ -7,6 +7,7 @@ mod completions;
 mod converge;
 mod diagnose;
 mod figures;
+mod input;
 mod interrupt;
 mod output;
 mod progress;

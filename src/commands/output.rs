@@ -50,11 +50,14 @@ impl Outputs {
     pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
         write_rendering(&self.exr, rendering, report)?;
         if let Some(path) = &self.stats {
-            replace_file(path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()?;
+            write_json(path, report)?;
         }
         Ok(())
     }
 }
+
+/// The layer of standard errors in an image that was rendered with `--error`.
+pub const STANDARD_ERROR: &str = "standard_error";
 
 /// Writes the image to `exr`, with its error as a layer and `report` as attributes, and the preview
 /// beside it.
@@ -62,16 +65,26 @@ pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> mie
     let image = &rendering.image;
     let error = rendering.error.as_ref();
     let layers: Vec<ExrLayer> = error
-        .map(|error| ("standard_error", &*error.standard_errors))
+        .map(|error| (STANDARD_ERROR, &*error.standard_errors))
         .into_iter()
         .collect();
     write_exr(exr, image, &layers, &attributes(report)).into_diagnostic()?;
     write_png(&exr.with_extension("png"), image).into_diagnostic()
 }
 
+/// Writes a file whole, or leaves what is there.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> miette::Result<()> {
+    replace_file(path, |writer| writer.write_all(bytes)).into_diagnostic()
+}
+
 /// Writes a text file.
 pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
-    replace_file(path, |writer| writer.write_all(text.as_bytes())).into_diagnostic()
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a JSON file for people to read as well.
+pub fn write_json(path: &Path, value: &Value) -> miette::Result<()> {
+    write_text(path, &format!("{value:#}\n"))
 }
 
 /// Makes a directory, and those above it, unless there is one.

@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u64).range(1..),
+        value_parser = values::positive,
         conflicts_with = "time",
         help = spp_help()
     )]
@@ -86,7 +86,7 @@ pub struct Args {
 
     /// pssmlt: number of bootstrap samples
     /// [default: until the standard error of b is small]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::positive)]
     bootstrap: Option<u64>,
 
     /// mmlt: who renders direct light: plain samples, or these and the chains like all else

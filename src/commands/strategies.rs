@@ -1,9 +1,9 @@
 //! `metrolight strategies`: each technique (s, t) of bidirectional path tracing as an image.
 
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{Image, check_writable, replace_file, srgb_bytes, write_exr};
+use metrolight::film::{Image, check_writable, srgb_bytes, write_exr};
 use metrolight::integrators::{Sampler, Technique, lost_light};
 use metrolight::math::{Rgb, luminance};
 use metrolight::plot::{Cell, Picture, Row, draw_contact_sheet, rasterize};
@@ -49,12 +49,7 @@ pub struct Args {
     output: PathBuf,
 
     /// Samples per pixel
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 32,
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 32)]
     spp: u64,
 
     /// Seed of all random numbers
@@ -267,14 +262,12 @@ fn write(
     let exposures = exposures(args, edges, found, shares);
     for kind in Kind::ALL {
         let png = sheet(args, kind, found, shares, &exposures)?;
-        let path = args.output.join(kind.sheet());
-        replace_file(&path, |writer| writer.write_all(&png)).into_diagnostic()?;
+        output::write_bytes(&args.output.join(kind.sheet()), &png)?;
     }
     report["mean_luminance"] = json!(shares.total);
     report["exposures"] = json!(exposures);
     report["techniques"] = table(found, shares);
-    let path = args.output.join(JSON);
-    replace_file(&path, |writer| writeln!(writer, "{report:#}")).into_diagnostic()
+    output::write_json(&args.output.join(JSON), &report)
 }
 
 fn table(found: &Strategies, shares: &Shares) -> Value {

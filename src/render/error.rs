@@ -34,6 +34,10 @@ struct PixelVariance {
 }
 
 impl ErrorEstimate {
+    /// Where [`Self::single`] is greater, errors are probably larger than estimated, and the user is
+    /// told.
+    pub const MANY_SINGLE: f64 = 0.05;
+
     /// A part with more than this share of the variance is alone: of 16 normal deviates the largest
     /// has a share beyond it with probability 10^-8.
     const ALONE: f64 = 0.8;

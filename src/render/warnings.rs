@@ -7,9 +7,6 @@ use crate::statistics::Moments;
 /// The image is as uncertain in overall brightness as b: beyond this the user is told.
 const WORTH_A_WARNING: f64 = 0.02;
 
-/// Beyond this share of pixels whose error rests on one part of the samples, the user is told.
-const MANY_SINGLE: f64 = 0.05;
-
 /// A chain is stuck if it has rejected so many proposals in a row, and more than half of its steps.
 const STUCK: u64 = 1000;
 
@@ -51,7 +48,7 @@ pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Op
 /// Tells that standard errors are probably too small.
 pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<String> {
     let single = estimate.map_or(0.0, |estimate| estimate.single);
-    (single > MANY_SINGLE).then(|| {
+    (single > ErrorEstimate::MANY_SINGLE).then(|| {
         format!(
             "errors are probably larger than estimated: in {:.0}% of the pixels nearly all variance \
              comes from one part of the samples, so that rare light is still to be found. Render \

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use metrolight::convergence::{
     Cost, Curve, Measure, Outcome, Variant, comparison, convergence_chart,
 };
-use metrolight::film::{Image, check_writable, replace_file, write_exr, write_png};
+use metrolight::film::{Image, check_writable, write_exr, write_png};
 use metrolight::plot::rasterize;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};
@@ -14,6 +14,11 @@ use super::reference::Reference;
 use crate::commands::comparison::relative_map;
 use crate::commands::figures::digits;
 use crate::commands::output;
+
+const CSV: &str = "convergence.csv";
+const SVG: &str = "convergence.svg";
+const PNG: &str = "convergence.png";
+const JSON: &str = "convergence.json";
 
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
@@ -26,7 +31,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Makes `directory` if it is not there, and fails if nothing could be written into it.
+    /// Makes `directory` if it is not there, and fails if one of the files could not be written,
+    /// before anybody has spent time on them.
     pub fn prepare(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
         output::make_directory(directory)?;
         let files = Self {
@@ -36,8 +42,18 @@ impl Files {
                 .map(|v| v.label.replace([' ', '='], "-"))
                 .collect(),
         };
-        check_writable(&files.path("convergence.csv")).into_diagnostic()?;
+        for name in [CSV, SVG, PNG, JSON] {
+            check_writable(&files.path(name)).into_diagnostic()?;
+        }
+        for path in files.stems.iter().flat_map(|stem| files.images(stem)) {
+            check_writable(&path).into_diagnostic()?;
+        }
         Ok(files)
+    }
+
+    /// Where a variant's image goes, its preview, and the image of its error.
+    fn images(&self, stem: &str) -> [PathBuf; 3] {
+        [".exr", ".png", "-error.png"].map(|end| self.path(&format!("{stem}{end}")))
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -68,29 +84,24 @@ impl Files {
         outcome: &Outcome,
     ) -> miette::Result<()> {
         let table = csv_table(variants, &reference.image, outcome).into_diagnostic()?;
-        self.write_bytes("convergence.csv", &table)?;
+        output::write_bytes(&self.path(CSV), &table)?;
         let svg = convergence_chart(scene_name, variants, curves, reference.relative_mse)
             .into_diagnostic()?;
-        self.write_bytes("convergence.svg", svg.as_bytes())?;
+        output::write_text(&self.path(SVG), &svg)?;
         let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
-        self.write_bytes("convergence.png", &png)?;
+        output::write_bytes(&self.path(PNG), &png)?;
         for (stem, image) in self.stems.iter().zip(&outcome.images) {
             self.write_images(stem, image, &reference.image)?;
         }
         let summary = self.summary_json(settings, reference, variants, curves, outcome);
-        self.write_bytes("convergence.json", format!("{summary:#}\n").as_bytes())
-    }
-
-    fn write_bytes(&self, name: &str, bytes: &[u8]) -> miette::Result<()> {
-        use std::io::Write;
-        replace_file(&self.path(name), |writer| writer.write_all(bytes)).into_diagnostic()
+        output::write_json(&self.path(JSON), &summary)
     }
 
     fn write_images(&self, stem: &str, image: &Image, reference: &Image) -> miette::Result<()> {
-        write_exr(&self.path(&format!("{stem}.exr")), image, &[], &[]).into_diagnostic()?;
-        write_png(&self.path(&format!("{stem}.png")), image).into_diagnostic()?;
-        let error = relative_map(image, reference)?;
-        self.write_bytes(&format!("{stem}-error.png"), &error)
+        let [exr, png, error] = self.images(stem);
+        write_exr(&exr, image, &[], &[]).into_diagnostic()?;
+        write_png(&png, image).into_diagnostic()?;
+        output::write_bytes(&error, &relative_map(image, reference)?)
     }
 
     fn summary_json(

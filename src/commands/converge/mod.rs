@@ -24,8 +24,8 @@ use super::{Outcome, interrupt, output, say, tell, values};
 ///
 /// Renders the scene by each integrator several times and measures every image as it grows, against a
 /// reference, with the render's clock stopped. Writes convergence.svg and .png (relMSE against seconds
-/// and against rays: a line for the mean of the repeats, a band from the least to the greatest),
-/// convergence.csv (all measurements), convergence.json, and for each integrator the last image of its
+/// and against rays, and without the worst 0.1% of the pixels against seconds: a line for the mean of
+/// the repeats, a band from the least to the greatest), convergence.csv (all measurements), convergence.json, and for each integrator the last image of its
 /// first repeat with a false-colour image of its error.
 #[derive(clap::Args)]
 #[command(

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use metrolight::convergence::Curve;
-use metrolight::film::{Decode, Image, read_annotated};
+use metrolight::film::Image;
 use metrolight::render::{self, Budget, Integrator, Settings};
 use metrolight::scene::Scene;
 use metrolight::statistics::expected_relative_mse;
-use miette::{IntoDiagnostic, WrapErr, bail};
+use miette::{IntoDiagnostic, bail};
 
 use super::Progress;
 use super::files::Files;
 use crate::commands::figures::{digits, duration, json};
 use crate::commands::source::{Opened, SceneArgs};
-use crate::commands::{output, render::print_warnings};
+use crate::commands::{input, output, render::print_warnings};
 
 /// A reference, and how far it can be trusted.
 pub struct Reference {
@@ -29,9 +29,7 @@ const SHOWS: f64 = 0.1;
 
 /// Reads the reference that the user has.
 pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
-    let annotated = read_annotated(path, Decode::Srgb)
-        .into_diagnostic()
-        .wrap_err_with(|| path.display().to_string())?;
+    let annotated = input::read(path)?;
     let image = annotated.image;
     let [width, height] = [scene.film.width as usize, scene.film.height as usize];
     if (image.width, image.height) != (width, height) {
@@ -44,19 +42,7 @@ pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
             image.height
         );
     }
-    if let Some(i) = image
-        .pixels
-        .iter()
-        .position(|p| !p.iter().all(|v| v.is_finite()))
-    {
-        bail!(
-            "{}: pixel ({}, {}) is not finite: the reference must be, everywhere",
-            path.display(),
-            i % width,
-            i / width
-        );
-    }
-    let errors = annotated.layers.get("standard_error");
+    let errors = annotated.layers.get(output::STANDARD_ERROR);
     let relative_mse = errors.map(|errors| expected_relative_mse(&image.pixels, errors));
     Ok(Reference {
         description: format!("reference: {}; {}", path.display(), trust(relative_mse)),

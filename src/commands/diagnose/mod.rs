@@ -14,7 +14,7 @@ use metrolight::render::Integrator;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
-use super::output::{make_directory, write_text};
+use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
 use super::render::print_warnings;
 use super::source::SceneArgs;
@@ -158,7 +158,7 @@ fn write_all(
     text: &str,
     diagnosis: &Diagnosis,
 ) -> miette::Result<()> {
-    write_text(&directory.join(JSON_FILE), &format!("{json:#}\n"))?;
+    write_json(&directory.join(JSON_FILE), json)?;
     write_text(&directory.join(TEXT_FILE), &format!("{text}\n"))?;
     for (name, svg) in charts::all(diagnosis).into_diagnostic()? {
         write_text(&directory.join(name), &svg)?;

@@ -28,6 +28,7 @@ pub struct Variant {
     pub slope: Option<f64>,
     pub comparison: Option<String>,
     pub comparison_by_rays: Option<String>,
+    pub comparison_trimmed: Option<String>,
     pub points: Vec<Point>,
 }
 

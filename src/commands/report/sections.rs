@@ -102,8 +102,8 @@ pub struct ConvergenceRow {
 const CONVERGE: &str = "converge";
 
 pub fn convergence(folder: &Folder) -> miette::Result<Option<ConvergenceSection>> {
-    let caption = "relMSE against time and against rays: the mean of the repeats, and a band from the \
-                   least to the greatest";
+    let caption = "relMSE against time and against rays, and without the worst 0.1% of the pixels \
+                   against time: the mean of the repeats, and a band from the least to the greatest";
     let chart = folder.chart("convergence.svg", CONVERGE, caption)?;
     let record: Option<Convergence> = folder.json("convergence.json", CONVERGE)?;
     let mut errors = Vec::new();
@@ -128,7 +128,14 @@ fn error(error: Option<f64>) -> String {
 fn convergence_table(record: Convergence) -> ConvergenceTable {
     let rows = record.variants.iter().filter_map(|variant| {
         let end = variant.points.last()?;
-        let comparisons = [&variant.comparison, &variant.comparison_by_rays];
+        let comparisons = [
+            (&variant.comparison, ""),
+            (&variant.comparison_by_rays, ""),
+            (
+                &variant.comparison_trimmed,
+                ", without the worst 0.1% of the pixels",
+            ),
+        ];
         Some(ConvergenceRow {
             label: variant.label.clone(),
             seconds: format!("{:.1}", end.seconds),
@@ -137,7 +144,10 @@ fn convergence_table(record: Convergence) -> ConvergenceTable {
             spread: end.spread.map(error).join(" to "),
             trimmed: error(end.relative_mse_trimmed),
             slope: variant.slope.map_or("-".into(), |s| format!("{s:.2}")),
-            comparisons: comparisons.into_iter().flatten().cloned().collect(),
+            comparisons: comparisons
+                .iter()
+                .filter_map(|(said, of)| Some(format!("{}{of}", said.as_ref()?)))
+                .collect(),
         })
     });
     let mut notes = record.warnings.clone();

@@ -1,5 +1,4 @@
-//! Construction of the bounding volume hierarchy: a compressed wide tree (Ylitie, Karras and Laine
-//! 2017, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs").
+//! Construction of the bounding volume hierarchy.
 //!
 //! Binary trees are grown from the top by the surface area heuristic over bins (Wald 2007, "On fast
 //! construction of SAH-based bounding volume hierarchies"), improved by reinsertion, and collapsed.
@@ -11,11 +10,14 @@ use obvhs::{
     Boundable,
     aabb::Aabb,
     bvh2::{Bvh2, node::Bvh2Node, reinsertion::ReinsertionOptimizer},
-    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode},
 };
 use rayon::prelude::*;
 
+use super::collapse::Collapse;
+use super::pages::Pages;
 use super::primitive::Primitive;
+use super::traversal::{Child, Kind, MAX_DEPTH, Node};
+use super::triangle::LANES;
 
 /// Greatest number of primitives in a chunk. Construction needs some 300 bytes for each of them.
 const CHUNK: usize = 1 << 15;
@@ -25,9 +27,6 @@ const BINS: usize = 16;
 
 /// Levels of a binary tree below which it is split in the middle, to bound its depth.
 const HEURISTIC_LEVELS: u32 = 48;
-
-/// Greatest depth of the wide tree: traversal keeps a stack of 32 and loses what does not fit.
-pub const MAX_DEPTH: u32 = 30;
 
 /// As in the crate's `medium_build`: the share of nodes that each pass tries to place better.
 const REINSERTION_RATIO: f32 = 0.05;
@@ -41,9 +40,17 @@ pub enum Quality {
     Shallow,
 }
 
-/// The hierarchy over `primitives`, which are brought into its order: the primitive that traversal
-/// names is an index into them.
-pub fn build(primitives: &mut [Primitive]) -> CwBvh {
+/// What construction leaves.
+pub struct Hierarchy {
+    /// The tree; the first node is the root.
+    pub nodes: Pages<Node>,
+    /// Numbers of primitives in the leaves, in the order of the primitives: up to [`LANES`] triangles, or
+    /// a sphere. The n-th leaf with triangles is packet n.
+    pub leaves: Vec<u8>,
+}
+
+/// The hierarchy over `primitives`, which are brought into its order.
+pub fn build(primitives: &mut [Primitive]) -> Hierarchy {
     let best = build_with(primitives, Quality::Best);
     if depth(&best.nodes) <= MAX_DEPTH {
         best
@@ -53,9 +60,12 @@ pub fn build(primitives: &mut [Primitive]) -> CwBvh {
 }
 
 /// The hierarchy, and `primitives` in its order, of a given quality whatever its depth.
-pub fn build_with(primitives: &mut [Primitive], quality: Quality) -> CwBvh {
+pub fn build_with(primitives: &mut [Primitive], quality: Quality) -> Hierarchy {
     if primitives.is_empty() {
-        return CwBvh::default();
+        return Hierarchy {
+            nodes: Pages::zeroed(0),
+            leaves: Vec::new(),
+        };
     }
     let top = Tree::grow(primitives, CHUNK, quality);
     let mut rest = &mut *primitives;
@@ -65,43 +75,100 @@ pub fn build_with(primitives: &mut [Primitive], quality: Quality) -> CwBvh {
         slices.push(slice);
         rest = others;
     }
-    let chunks: Vec<CwBvh> = slices
+    let chunks: Vec<Chunk> = slices
         .into_par_iter()
-        .map(|slice| build_chunk(slice, quality))
+        .map(|slice| Chunk::build(slice, quality))
         .collect();
-    let firsts = top.leaves.iter().scan(0, |first, &len| {
-        let this = *first;
-        *first += len as u32;
-        Some(this)
-    });
-    let chunks = firsts.zip(chunks).collect();
-    let total_aabb = *top.nodes[0].aabb();
-    // One chunk to a leaf, so that each becomes a child of its own.
-    let top = bvh2_to_cwbvh(&top.into_bvh2(), 1, true, false);
-    CwBvh {
-        nodes: join(&top, chunks),
-        primitive_indices: Vec::new(),
-        total_aabb,
-        exact_node_aabbs: None,
-        uses_spatial_splits: false,
+    join(&top.into_bvh2(), chunks)
+}
+
+/// A part of the scene, with a hierarchy of its own.
+struct Chunk {
+    nodes: Vec<Node>,
+    leaves: Vec<u8>,
+    /// Numbers of leaves of either kind.
+    packets: u32,
+    spheres: u32,
+}
+
+impl Chunk {
+    /// Of `primitives`, which are brought into its order.
+    fn build(primitives: &mut [Primitive], quality: Quality) -> Self {
+        let mut binary = Tree::grow(primitives, 1, quality).into_bvh2();
+        if quality == Quality::Best {
+            ReinsertionOptimizer::default().run(&mut binary, REINSERTION_RATIO, None);
+        }
+        let is_triangle = |i: u32| matches!(primitives[i as usize], Primitive::Triangle { .. });
+        let mut order = Vec::with_capacity(primitives.len());
+        let mut leaves = Vec::new();
+        let (mut packets, mut spheres) = (0, 0);
+        let collapse = Collapse::new(&binary, LANES as u32, is_triangle);
+        let mut nodes = collapse.finish(&mut |members| {
+            order.extend_from_slice(members);
+            leaves.push(members.len() as u8);
+            let (count, kind): (_, fn(u32) -> Kind) = if is_triangle(members[0]) {
+                (&mut packets, Kind::Triangles)
+            } else {
+                (&mut spheres, Kind::Sphere)
+            };
+            *count += 1;
+            Child::new(kind(*count - 1))
+        });
+        let before = primitives.to_vec();
+        for (primitive, i) in primitives.iter_mut().zip(order) {
+            *primitive = before[i as usize];
+        }
+        nodes.shrink_to_fit();
+        Self {
+            nodes,
+            leaves,
+            packets,
+            spheres,
+        }
     }
 }
 
-/// The hierarchy over one chunk, whose primitives are brought into its order.
-fn build_chunk(primitives: &mut [Primitive], quality: Quality) -> CwBvh {
-    let mut binary = Tree::grow(primitives, 1, quality).into_bvh2();
-    if quality == Quality::Best {
-        ReinsertionOptimizer::default().run(&mut binary, REINSERTION_RATIO, None);
+/// One tree from that over the chunks, whose leaves are the chunks, and the chunks.
+fn join(top: &Bvh2, mut chunks: Vec<Chunk>) -> Hierarchy {
+    if chunks.len() == 1 {
+        let Chunk { nodes, leaves, .. } = chunks.remove(0);
+        return Hierarchy {
+            nodes: Pages::copy_of(&nodes),
+            leaves,
+        };
     }
-    let mut wide = bvh2_to_cwbvh(&binary, 3, true, false);
-    drop(binary);
-    let before = primitives.to_vec();
-    for (primitive, &i) in primitives.iter_mut().zip(&wide.primitive_indices) {
-        *primitive = before[i as usize];
+    // Leaves stand for chunks until it is known where their nodes go.
+    let mut top =
+        Collapse::new(top, 1, |_| true).finish(&mut |chunk| Child::new(Kind::Triangles(chunk[0])));
+    let mut firsts = Vec::with_capacity(chunks.len());
+    let mut first = top.len();
+    for chunk in &chunks {
+        firsts.push(first as u32);
+        first += chunk.nodes.len();
     }
-    wide.primitive_indices = Vec::new();
-    wide.nodes.shrink_to_fit();
-    wide
+    for node in &mut top {
+        node.map(|child| match child {
+            Kind::Triangles(chunk) => Kind::Node(firsts[chunk as usize]),
+            other => other,
+        });
+    }
+    let mut nodes = Pages::zeroed(first);
+    nodes[..top.len()].copy_from_slice(&top);
+    let (mut leaves, mut packets, mut spheres) = (Vec::new(), 0, 0);
+    for (chunk, first) in chunks.into_iter().zip(firsts) {
+        for (to, mut node) in nodes[first as usize..].iter_mut().zip(chunk.nodes) {
+            node.map(|child| match child {
+                Kind::Node(node) => Kind::Node(node + first),
+                Kind::Triangles(packet) => Kind::Triangles(packet + packets),
+                Kind::Sphere(sphere) => Kind::Sphere(sphere + spheres),
+            });
+            *to = node;
+        }
+        leaves.extend(chunk.leaves);
+        packets += chunk.packets;
+        spheres += chunk.spheres;
+    }
+    Hierarchy { nodes, leaves }
 }
 
 /// A binary tree whose leaves are runs of the primitives that it was grown from.
@@ -250,74 +317,14 @@ fn split_in_half(primitives: &mut [Primitive], centers: &Aabb) -> usize {
     middle
 }
 
-/// One tree from `top`, whose leaves stand for chunks, and the `chunks`, each with the index of its
-/// first primitive.
-fn join(top: &CwBvh, mut chunks: Vec<(u32, CwBvh)>) -> Vec<CwBvhNode> {
-    if chunks.len() == 1 {
-        return chunks.pop().map_or(Vec::new(), |(_, only)| only.nodes);
-    }
-    let below: usize = chunks.iter().map(|(_, chunk)| chunk.nodes.len()).sum();
-    let mut nodes = Vec::with_capacity(top.nodes.len() + below);
-    nodes.push(CwBvhNode::default());
-    let mut chunks: Vec<_> = chunks.into_iter().map(Some).collect();
-    join_node(top, 0, &mut chunks, &mut nodes, 0);
-    nodes
-}
-
-/// Writes node `from` of `top` to place `to`, and what is below it to the end of `nodes`.
-fn join_node(
-    top: &CwBvh,
-    from: usize,
-    chunks: &mut [Option<(u32, CwBvh)>],
-    nodes: &mut Vec<CwBvhNode>,
-    to: usize,
-) {
-    let old = &top.nodes[from];
-    let children: Vec<usize> = (0..8).filter(|&child| !old.is_child_empty(child)).collect();
-    let base = nodes.len();
-    let mut node = *old;
-    node.child_base_idx = base as u32;
-    // All children are inner nodes now; see `CwBvhNode::child_meta` for the code.
-    for &child in &children {
-        node.imask |= 1 << child;
-        node.child_meta[child] = (24 + child as u8) | 0b0010_0000;
-    }
-    nodes[to] = node;
-    nodes.resize(base + children.len(), CwBvhNode::default());
-    for (i, &child) in children.iter().enumerate() {
-        if old.is_leaf(child) {
-            let chunk = top.primitive_indices[old.child_primitives(child).0 as usize];
-            if let Some((first, chunk)) = chunks[chunk as usize].take() {
-                join_chunk(first, &chunk, nodes, base + i);
-            }
-        } else {
-            let below = old.child_node_index(child) as usize;
-            join_node(top, below, chunks, nodes, base + i);
-        }
-    }
-}
-
-/// Writes the root of `chunk` to place `to` and its other nodes to the end of `nodes`.
-fn join_chunk(first_primitive: u32, chunk: &CwBvh, nodes: &mut Vec<CwBvhNode>, to: usize) {
-    let base = nodes.len() as u32;
-    // Node 1 of the chunk goes to `base`.
-    let mut moved = chunk.nodes.iter().map(|node| CwBvhNode {
-        child_base_idx: node.child_base_idx - 1 + base,
-        primitive_base_idx: node.primitive_base_idx + first_primitive,
-        ..*node
-    });
-    if let Some(root) = moved.next() {
-        nodes[to] = root;
-    }
-    nodes.extend(moved);
-}
-
 /// Number of levels below the root.
-pub fn depth(nodes: &[CwBvhNode]) -> u32 {
-    fn below(nodes: &[CwBvhNode], node: &CwBvhNode) -> u32 {
-        (0..8)
-            .filter(|&child| !node.is_child_empty(child) && !node.is_leaf(child))
-            .map(|child| 1 + below(nodes, &nodes[node.child_node_index(child) as usize]))
+pub fn depth(nodes: &[Node]) -> u32 {
+    fn below(nodes: &[Node], node: &Node) -> u32 {
+        node.children()
+            .filter_map(|child| match child.kind() {
+                Kind::Node(node) => Some(1 + below(nodes, &nodes[node as usize])),
+                Kind::Triangles(_) | Kind::Sphere(_) => None,
+            })
             .max()
             .unwrap_or(0)
     }

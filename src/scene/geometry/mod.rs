@@ -1,21 +1,27 @@
 //! Shapes and the acceleration structure that finds them.
 
+mod collapse;
 mod hierarchy;
+mod pages;
 mod primitive;
 mod shape;
 mod sphere;
+mod traversal;
 mod triangle;
 
 #[cfg(test)]
 mod tests;
 
 use glam::{Mat3A, Vec3A};
-use obvhs::cwbvh::CwBvh;
-use obvhs::ray::{Ray as NodeRay, RayHit};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
 
 use super::{Ray, SCENE_RADIUS, SurfacePoint, TriangleMesh};
-use primitive::{PADDING, Primitive};
+use hierarchy::Hierarchy;
+use pages::Pages;
+use primitive::{Ball, PADDING, Primitive, Primitives};
 use shape::{Attributes, MeshAttributes, Shape, cross};
+use traversal::{Kind, Node};
 use triangle::{Corners, Shear};
 
 /// Rays traced: the unit of cost.
@@ -56,11 +62,12 @@ impl std::iter::Sum for RayCounts {
 
 /// All surfaces of a scene.
 pub struct Geometry {
-    /// In the order of the hierarchy's leaves.
-    primitives: Vec<Primitive>,
-    hierarchy: CwBvh,
+    nodes: Pages<Node>,
+    primitives: Primitives,
+    /// The box around all primitives, padded.
+    bounds: Aabb,
     shapes: Vec<Shape>,
-    spheres: usize,
+    triangles: usize,
     degenerate: usize,
 }
 
@@ -69,12 +76,7 @@ impl Geometry {
     #[inline]
     pub fn intersect(&self, ray: &Ray, counts: &mut RayCounts) -> Option<SurfacePoint> {
         counts.closest_hit += 1;
-        let ray = &enter_scene(ray)?;
-        match longest_axis(ray.direction) {
-            0 => self.first_hit::<0>(ray),
-            1 => self.first_hit::<1>(ray),
-            _ => self.first_hit::<2>(ray),
-        }
+        self.first_hit(&enter_scene(ray)?)
     }
 
     /// True if no surface lies between `from` and `to`, which have both been moved off their own
@@ -92,85 +94,77 @@ impl Geometry {
             direction: (to - from) / distance,
             t_max,
         };
-        let Some(ray) = &enter_scene(&ray) else {
-            return true;
-        };
-        match longest_axis(ray.direction) {
-            0 => self.misses::<0>(ray),
-            1 => self.misses::<1>(ray),
-            _ => self.misses::<2>(ray),
-        }
+        enter_scene(&ray).is_none_or(|ray| self.misses(&ray))
     }
 
-    fn first_hit<const Z: usize>(&self, ray: &Ray) -> Option<SurfacePoint> {
-        let shear = Shear::<Z>::new(ray.origin, ray.direction);
+    fn first_hit(&self, ray: &Ray) -> Option<SurfacePoint> {
+        let shear = Shear::new(ray.origin, ray.direction);
         let mut barycentric = (0.0, 0.0);
-        let mut hit = RayHit::none();
-        self.hierarchy
-            .ray_traverse(node_ray(ray), &mut hit, |node_ray, i| {
-                match &self.primitives[i] {
-                    Primitive::Triangle { corners, .. } => shear
-                        .intersect(corners, node_ray.tmax)
-                        .map_or(f32::INFINITY, |hit| {
-                            barycentric = (hit.b1, hit.b2);
-                            hit.t
-                        }),
-                    Primitive::Sphere { center, radius, .. } => {
-                        sphere_distance(*center, *radius, ray, node_ray.tmax)
+        let mut number = u32::MAX;
+        let mut distance = ray.t_max;
+        traversal::visit(&self.nodes, ray, |leaf, t_max| {
+            match leaf {
+                Kind::Sphere(sphere) => {
+                    if let Some(t) = self.meet_sphere(sphere, ray, t_max) {
+                        number = self.primitives.number_of_sphere(sphere);
+                        distance = t;
                     }
                 }
-            });
-        let index = hit.primitive_id;
-        match self.primitives.get(index as usize)? {
+                Kind::Triangles(packet) | Kind::Node(packet) => {
+                    let triangles = &self.primitives.packets[packet as usize];
+                    if let Some(hit) = shear.intersect(triangles, t_max) {
+                        number = Primitives::number(packet, hit.lane);
+                        barycentric = (hit.b1, hit.b2);
+                        distance = hit.t;
+                    }
+                }
+            }
+            distance
+        });
+        match self.primitives.get(number)? {
             Primitive::Triangle {
                 corners,
                 shape,
                 vertices,
             } => {
                 let (b1, b2) = barycentric;
-                Some(self.shapes[*shape as usize].on_triangle(
-                    (*shape, index),
-                    corners,
-                    *vertices,
-                    b1,
-                    b2,
-                ))
+                let numbers = (shape, number);
+                Some(self.shapes[shape as usize].on_triangle(numbers, &corners, vertices, b1, b2))
             }
             Primitive::Sphere {
                 center,
                 radius,
                 shape,
             } => {
-                let near = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
-                Some(self.shapes[*shape as usize].on_sphere(
-                    (*shape, index),
-                    *center,
-                    *radius,
-                    near,
-                ))
+                let near = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance);
+                let numbers = (shape, number);
+                Some(self.shapes[shape as usize].on_sphere(numbers, center, radius, near))
             }
         }
     }
 
-    fn misses<const Z: usize>(&self, ray: &Ray) -> bool {
-        let shear = Shear::<Z>::new(ray.origin, ray.direction);
-        self.hierarchy
-            .ray_traverse_miss(node_ray(ray), |_, i| match &self.primitives[i] {
-                Primitive::Triangle { corners, .. } => shear
-                    .intersect(corners, ray.t_max)
-                    .map_or(f32::INFINITY, |hit| hit.t),
-                Primitive::Sphere { center, radius, .. } => {
-                    sphere_distance(*center, *radius, ray, ray.t_max)
-                }
-            })
+    fn misses(&self, ray: &Ray) -> bool {
+        let shear = Shear::new(ray.origin, ray.direction);
+        !traversal::any(&self.nodes, ray, |leaf| match leaf {
+            Kind::Sphere(sphere) => self.meet_sphere(sphere, ray, ray.t_max).is_some(),
+            Kind::Triangles(packet) | Kind::Node(packet) => {
+                shear.meets(&self.primitives.packets[packet as usize], ray.t_max)
+            }
+        })
+    }
+
+    #[inline]
+    fn meet_sphere(&self, sphere: u32, ray: &Ray, t_max: f32) -> Option<f32> {
+        let Ball { center, radius, .. } = self.primitives.spheres[sphere as usize];
+        sphere::intersect(center, radius, ray.origin, ray.direction, t_max)
     }
 
     /// The surfaces of all shapes for which `wanted` is true; of the others no triangle.
     pub(super) fn surfaces(&self, wanted: impl Fn(u32) -> bool) -> Vec<PlacedSurface> {
         let none = || PlacedSurface::Triangles(Vec::new());
         let mut surfaces: Vec<PlacedSurface> = self.shapes.iter().map(|_| none()).collect();
-        for (primitive, placed) in (0..).zip(&self.primitives) {
-            match *placed {
+        for (primitive, placed) in self.primitives.iter() {
+            match placed {
                 Primitive::Triangle {
                     corners,
                     shape,
@@ -220,12 +214,12 @@ impl Geometry {
 
     /// Number of triangles that have area.
     pub fn triangle_count(&self) -> usize {
-        self.primitives.len() - self.spheres
+        self.triangles
     }
 
     /// Number of spheres.
     pub fn sphere_count(&self) -> usize {
-        self.spheres
+        self.primitives.spheres.len()
     }
 
     /// Number of triangles and spheres left out because they have no area.
@@ -235,14 +229,14 @@ impl Geometry {
 
     /// Lower and upper corner of the box around all surfaces in scene units; `None` without surfaces.
     pub fn bounds(&self) -> Option<(Vec3A, Vec3A)> {
-        let padded = self.hierarchy.total_aabb;
-        (!self.primitives.is_empty()).then_some((padded.min + PADDING, padded.max - PADDING))
+        let padded = self.bounds;
+        (!self.nodes.is_empty()).then_some((padded.min + PADDING, padded.max - PADDING))
     }
 
     /// Bytes in memory: nodes, primitives and attributes.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.hierarchy.nodes[..])
-            + size_of_val(&self.primitives[..])
+        size_of_val(&self.nodes[..])
+            + self.primitives.bytes()
             + self.shapes.iter().map(Shape::bytes).sum::<usize>()
     }
 }
@@ -269,28 +263,6 @@ fn enter_scene(ray: &Ray) -> Option<Ray> {
         direction: ray.direction,
         t_max: ray.t_max - skipped,
     })
-}
-
-#[inline]
-fn longest_axis(direction: Vec3A) -> usize {
-    let d = direction.abs();
-    if d.x >= d.y && d.x >= d.z {
-        0
-    } else if d.y >= d.z {
-        1
-    } else {
-        2
-    }
-}
-
-#[inline]
-fn node_ray(ray: &Ray) -> NodeRay {
-    NodeRay::new(ray.origin, ray.direction, 0.0, ray.t_max)
-}
-
-#[inline]
-fn sphere_distance(center: [f32; 3], radius: f32, ray: &Ray, t_max: f32) -> f32 {
-    sphere::intersect(center, radius, ray.origin, ray.direction, t_max).unwrap_or(f32::INFINITY)
 }
 
 /// A geometry in the making.
@@ -391,12 +363,18 @@ impl GeometryBuilder {
     /// Builds the acceleration structure.
     pub(super) fn build(mut self) -> Geometry {
         self.primitives.shrink_to_fit();
-        let hierarchy = hierarchy::build(&mut self.primitives);
+        let Hierarchy { nodes, leaves } = hierarchy::build(&mut self.primitives);
+        let bounds = self
+            .primitives
+            .iter()
+            .fold(Aabb::INVALID, |all, primitive| all.union(&primitive.aabb()));
+        let triangles = self.primitives.len() - self.spheres;
         Geometry {
-            primitives: self.primitives,
-            hierarchy,
+            nodes,
+            primitives: Primitives::new(self.primitives, &leaves, self.spheres),
+            bounds,
             shapes: self.shapes,
-            spheres: self.spheres,
+            triangles,
             degenerate: self.degenerate,
         }
     }

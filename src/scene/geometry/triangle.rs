@@ -1,15 +1,31 @@
 //! The watertight ray-triangle test of Woop, Benthin and Wald (2013, "Watertight ray/triangle
-//! intersection", JCGT 2(1)): a ray that passes a closed mesh at an edge or corner always meets one
-//! of the triangles there, because neighbours compute the same edge function with opposite signs.
+//! intersection", JCGT 2(1)), of four triangles at once: a ray that passes a closed mesh at an edge or
+//! corner always meets one of the triangles there, because neighbours compute the same edge function
+//! with opposite signs.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
+use wide::f32x4;
 
 /// Three corners.
 pub type Corners = [[f32; 3]; 3];
 
+/// Triangles in a packet.
+pub const LANES: usize = 4;
+
+/// Up to four triangles; the corners of those that are not there are not numbers, and no ray meets them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Packet {
+    /// For each axis that coordinate of the first, second and third corners.
+    axes: [[f32x4; 3]; 3],
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleHit {
+    /// Which triangle of the packet.
+    pub lane: usize,
     /// Distance along the ray.
     pub t: f32,
     /// Barycentric coordinate of the second corner.
@@ -18,86 +34,132 @@ pub struct TriangleHit {
     pub b2: f32,
 }
 
-/// The transform that moves a ray to the origin and shears its direction to the axis `Z`, the one
-/// along which it is longest (section 3.1 of the paper). The swap of x and y that keeps the winding
-/// is left out: both sides of a triangle count.
-#[derive(Clone, Copy, Debug)]
-pub struct Shear<const Z: usize> {
-    origin: [f32; 3],
-    x: f32,
-    y: f32,
-    z: f32,
-}
-
-impl<const Z: usize> Shear<Z> {
-    const X: usize = (Z + 1) % 3;
-    const Y: usize = (Z + 2) % 3;
-
-    /// For the ray from `origin` along `direction`, whose component `Z` is not 0.
-    #[inline]
-    pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        let d = direction.to_array();
+impl Packet {
+    /// Of four triangles.
+    pub fn new(triangles: [Corners; LANES]) -> Self {
+        let coordinates =
+            |axis: usize, k: usize| f32x4::new(triangles.map(|corners| corners[k][axis]));
         Self {
-            origin: origin.to_array(),
-            x: d[Self::X] / d[Z],
-            y: d[Self::Y] / d[Z],
-            z: 1.0 / d[Z],
+            axes: [0, 1, 2].map(|axis| [0, 1, 2].map(|k| coordinates(axis, k))),
         }
     }
 
-    /// The hit in (0, `t_max`), if any.
+    /// The corners of one triangle, if it is there.
     #[inline]
-    pub fn intersect(&self, corners: &Corners, t_max: f32) -> Option<TriangleHit> {
-        let [a, b, c] = [
-            self.shear(&corners[0]),
-            self.shear(&corners[1]),
-            self.shear(&corners[2]),
-        ];
-        let mut u = edge(c, b);
-        let mut v = edge(a, c);
-        let mut w = edge(b, a);
-        // Exactly on an edge in f32: only f64, where the products are exact, knows the side.
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            u = edge_f64(c, b);
-            v = edge_f64(a, c);
-            w = edge_f64(b, a);
+    pub fn corners(&self, lane: usize) -> Option<Corners> {
+        let corner = |k: usize| self.axes.map(|corners| corners[k].to_array()[lane % LANES]);
+        let corners = [corner(0), corner(1), corner(2)];
+        (!corners[0][0].is_nan()).then_some(corners)
+    }
+}
+
+/// The transform that moves a ray to the origin and shears its direction to z, the axis along which it
+/// is longest (section 3.1 of the paper). The swap of x and y that keeps the winding is left out: both
+/// sides of a triangle count.
+#[derive(Clone, Copy, Debug)]
+pub struct Shear {
+    /// Which axes of space are x, y and z.
+    axes: [usize; 3],
+    origin: [f32x4; 3],
+    x: f32x4,
+    y: f32x4,
+    z: f32x4,
+}
+
+/// Twice the signed areas of the triangles of a corner and its opposite edge, in projection.
+type Edges = [f32x4; 3];
+
+impl Shear {
+    /// For the ray from `origin` along `direction`, which is not 0.
+    #[inline(always)]
+    pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
+        let z = longest_axis(direction);
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let d = axes.map(|axis| direction[axis]);
+        Self {
+            axes,
+            origin: axes.map(|axis| f32x4::splat(origin[axis])),
+            x: f32x4::splat(d[0] / d[2]),
+            y: f32x4::splat(d[1] / d[2]),
+            z: f32x4::splat(1.0 / d[2]),
         }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
+    }
+
+    /// The nearest hit in (0, `t_max`), if any.
+    #[inline(always)]
+    pub fn intersect(&self, packet: &Packet, t_max: f32) -> Option<TriangleHit> {
+        let (mut hits, t, [_, v, w], inverse) = self.test(packet, t_max)?;
+        let t = t.to_array();
+        let mut lane = hits.trailing_zeros() as usize % LANES;
+        hits &= hits - 1;
+        while hits != 0 {
+            let other = hits.trailing_zeros() as usize % LANES;
+            hits &= hits - 1;
+            if t[other] < t[lane] {
+                lane = other;
+            }
         }
-        let det = u + v + w;
-        if det == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / det;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * inverse;
-        (t > 0.0 && t < t_max).then_some(TriangleHit {
-            t,
-            b1: v * inverse,
-            b2: w * inverse,
+        Some(TriangleHit {
+            lane,
+            t: t[lane],
+            b1: (v * inverse).to_array()[lane],
+            b2: (w * inverse).to_array()[lane],
         })
     }
 
-    /// A corner in the space where the ray starts at 0 and goes along +z at unit speed.
-    #[inline]
-    fn shear(&self, corner: &[f32; 3]) -> [f32; 3] {
-        let z = corner[Z] - self.origin[Z];
-        [
-            corner[Self::X] - self.origin[Self::X] - self.x * z,
-            corner[Self::Y] - self.origin[Self::Y] - self.y * z,
-            self.z * z,
-        ]
+    /// True if there is a hit in (0, `t_max`).
+    #[inline(always)]
+    pub fn meets(&self, packet: &Packet, t_max: f32) -> bool {
+        self.test(packet, t_max).is_some()
+    }
+
+    /// A mask of the triangles that are hit in (0, `t_max`), with all distances, edges and inverse
+    /// determinants; `None` if there is no hit.
+    #[inline(always)]
+    fn test(&self, packet: &Packet, t_max: f32) -> Option<(u32, f32x4, Edges, f32x4)> {
+        let [xs, ys, zs] = self.axes.map(|axis| &packet.axes[axis]);
+        let z = zs.map(|z| z - self.origin[2]);
+        let x: [f32x4; 3] = std::array::from_fn(|k| xs[k] - self.origin[0] - self.x * z[k]);
+        let y: [f32x4; 3] = std::array::from_fn(|k| ys[k] - self.origin[1] - self.y * z[k]);
+        let mut edges = [(2, 1), (0, 2), (1, 0)].map(|(p, q)| x[p] * y[q] - y[p] * x[q]);
+        let [u, v, w] = edges;
+        // Exactly on an edge in f32: only f64, where the products are exact, knows the side.
+        let zero = f32x4::ZERO;
+        if (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).to_bitmask() != 0 {
+            edges = edges_f64(&x, &y);
+        }
+        let [u, v, w] = edges;
+        let inside =
+            u.fast_min(v).fast_min(w).simd_ge(zero) | u.fast_max(v).fast_max(w).simd_le(zero);
+        if inside.to_bitmask() == 0 {
+            return None;
+        }
+        let inverse = f32x4::ONE / (u + v + w);
+        let t = (u * z[0] + v * z[1] + w * z[2]) * self.z * inverse;
+        let hits = inside & t.simd_gt(zero) & t.simd_lt(f32x4::splat(t_max));
+        let hits = hits.to_bitmask();
+        (hits != 0).then_some((hits, t, edges, inverse))
     }
 }
 
-/// Twice the signed area of the triangle of `p`, `q` and the ray, in projection.
-#[inline]
-fn edge(p: [f32; 3], q: [f32; 3]) -> f32 {
-    p[0] * q[1] - p[1] * q[0]
+#[inline(always)]
+fn longest_axis(direction: Vec3A) -> usize {
+    let d = direction.abs();
+    if d.x >= d.y && d.x >= d.z {
+        0
+    } else if d.y >= d.z {
+        1
+    } else {
+        2
+    }
 }
 
 #[cold]
-fn edge_f64(p: [f32; 3], q: [f32; 3]) -> f32 {
-    let [px, py, qx, qy] = [p[0], p[1], q[0], q[1]].map(f64::from);
-    (px * qy - py * qx) as f32
+fn edges_f64(x: &[f32x4; 3], y: &[f32x4; 3]) -> Edges {
+    let [x, y] = [x, y].map(|v| v.map(|v| v.to_array().map(f64::from)));
+    [(2, 1), (0, 2), (1, 0)].map(|(p, q)| {
+        f32x4::new(std::array::from_fn(|lane| {
+            (x[p][lane] * y[q][lane] - y[p][lane] * x[q][lane]) as f32
+        }))
+    })
 }

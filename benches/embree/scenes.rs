@@ -1,0 +1,161 @@
+//! Triangles to shoot at.
+
+use std::f32::consts::{PI, TAU};
+use std::path::Path;
+
+use glam::{DMat4, DQuat, DVec3};
+use metrolight::film::Filter;
+use metrolight::math::Rgb;
+use metrolight::math::seeds::{self, Purpose};
+use metrolight::scene::{
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Scene,
+    SceneDescription, ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
+};
+use rand::RngExt;
+
+/// A scene, and its triangles in scene units.
+pub struct Subject {
+    pub name: String,
+    pub scene: Scene,
+    pub triangles: Vec<[[f32; 3]; 3]>,
+}
+
+impl Subject {
+    fn new(name: &str, description: SceneDescription) -> Self {
+        let placed: Vec<_> = description
+            .shapes
+            .iter()
+            .filter_map(|shape| match &shape.geometry {
+                ShapeGeometry::Mesh(mesh) => Some((mesh.clone(), shape.to_world)),
+                ShapeGeometry::Sphere { .. } => None,
+            })
+            .collect();
+        let scene = description.build().expect("a valid scene");
+        // As `SceneDescription::build` does, to the bit.
+        let to_scene = DMat4::from_scale(DVec3::splat(1.0 / scene.unit))
+            * DMat4::from_translation(-scene.center);
+        let mut triangles = Vec::new();
+        for (mesh, to_world) in placed {
+            let place = |v: u32| {
+                let p = DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+                let p = (to_scene * to_world).transform_point3(p);
+                p.as_vec3().to_array()
+            };
+            triangles.extend(mesh.triangles.iter().map(|t| t.map(place)));
+        }
+        Self {
+            name: name.into(),
+            scene,
+            triangles,
+        }
+    }
+}
+
+/// A scene of the repository, without its spheres.
+pub fn of_repository(name: &str) -> Subject {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = root.join(format!("scenes/{name}/scene.xml"));
+    let loaded = metrolight::mitsuba::load(&path, &[]).expect("a scene of the repository");
+    let mut description = loaded.description;
+    description
+        .shapes
+        .retain(|shape| matches!(shape.geometry, ShapeGeometry::Mesh(_)));
+    description.emitters = vec![EmitterDescription::Constant { radiance: Rgb::ONE }];
+    Subject::new(name, description)
+}
+
+/// 26 bumpy balls of `2 n (n - 1)` triangles each, of all sizes, some within others, in a closed room.
+pub fn clutter(name: &str, n: u32) -> Subject {
+    let mut rng = seeds::generator(1, Purpose::Probes, 1);
+    let mut shapes = vec![shape(TriangleMesh::cube(), DMat4::IDENTITY)];
+    for _ in 0..26 {
+        let mut number = || 2.0 * rng.random::<f64>() - 1.0;
+        let turn = DQuat::from_euler(glam::EulerRot::XYZ, number(), number(), number());
+        let center = DVec3::new(number(), number(), number()) * 0.75;
+        let size = 0.25 + 0.15 * number();
+        let place = DMat4::from_scale_rotation_translation(
+            DVec3::new(size, size, 0.6 * size),
+            turn,
+            center,
+        );
+        shapes.push(shape(bumpy_ball(n), place));
+    }
+    Subject::new(name, description(shapes))
+}
+
+/// One closed mesh around the origin.
+pub fn ball(n: u32) -> Subject {
+    let shapes = vec![shape(bumpy_ball(n), DMat4::IDENTITY)];
+    Subject::new("ball", description(shapes))
+}
+
+fn shape(mesh: TriangleMesh, to_world: DMat4) -> ShapeDescription {
+    ShapeDescription {
+        name: "mesh".into(),
+        geometry: ShapeGeometry::Mesh(mesh),
+        to_world,
+        flip_normals: false,
+        material: 0,
+        emission: None,
+    }
+}
+
+/// Closed to the bit: neighbours share their vertices, at the poles and along the seam as well.
+fn bumpy_ball(n: u32) -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
+    mesh.positions.push([0.0, 0.0, 1.0]);
+    for i in 1..n {
+        for j in 0..n {
+            let (theta, phi) = (PI * i as f32 / n as f32, TAU * j as f32 / n as f32);
+            let r = 1.0 + 0.05 * (9.0 * theta).sin() * (7.0 * phi).sin();
+            let xy = r * theta.sin();
+            let position = [xy * phi.cos(), xy * phi.sin(), r * theta.cos()];
+            mesh.positions.push(position);
+        }
+    }
+    mesh.positions.push([0.0, 0.0, -1.0]);
+    let vertex = |i: u32, j: u32| match i {
+        0 => 0,
+        _ if i == n => 1 + (n - 1) * n,
+        _ => 1 + (i - 1) * n + j % n,
+    };
+    for i in 0..n {
+        for j in 0..n {
+            let [a, b] = [vertex(i, j), vertex(i, j + 1)];
+            let [c, d] = [vertex(i + 1, j), vertex(i + 1, j + 1)];
+            if a != b {
+                mesh.triangles.push([a, c, b]);
+            }
+            if c != d {
+                mesh.triangles.push([b, c, d]);
+            }
+        }
+    }
+    mesh
+}
+
+/// Seen from within the room.
+fn description(shapes: Vec<ShapeDescription>) -> SceneDescription {
+    SceneDescription {
+        camera: CameraDescription {
+            to_world: DMat4::from_translation(DVec3::new(0.0, 0.0, -0.99)),
+            fov_x: 70.0,
+            near_clip: 0.001,
+            far_clip: 1e4,
+            lens: None,
+        },
+        film: FilmSettings {
+            width: 128,
+            height: 128,
+            filter: Filter::Box,
+        },
+        depth: DepthLimits {
+            max_depth: Some(5),
+            rr_depth: 5,
+        },
+        textures: vec![Texture::Constant(Rgb::splat(0.5))],
+        materials: vec![Material::Diffuse { reflectance: 0 }],
+        shapes,
+        emitters: vec![EmitterDescription::Constant { radiance: Rgb::ONE }],
+    }
+}
