@@ -1,0 +1,99 @@
+"""Renders one image with LuxCore: `python luxcore_worker.py JOB.json`; see worker.py for the job.
+
+A process of its own, for pyluxcore keeps threads that do not end, and is left by `os._exit`.
+"""
+
+import os
+import sys
+import time
+from array import array
+
+import pyluxcore
+
+from worker import FrameWriter, read_job
+
+# BIDIRCPU limits the two subpaths, not the path (engines/bidircpu/bidircputhread.cpp), so that no limit
+# on path length can be shared with other programs: this one is beyond what matters in the scenes.
+MAX_DEPTH = 16
+
+# BIDIRCPU's weights take Russian roulette into account where vertices are joined and not where they
+# are made (the same file, ConnectVertices and Bounce), so that its images become too bright, by 4 to 8% in
+# the scene cornell. It goes without; PATHCPU has it from LuxCore's default depth on.
+ROULETTE_DEPTH = {"BIDIRCPU": MAX_DEPTH + 1, "PATHCPU": 3}
+
+
+def configuration(job):
+    """No clamping, no filter, linear values; samplers are as LuxCore has them by default, but SOBOL is not
+    adaptive. Lights are chosen by power: by default a lamp of many triangles would be chosen more often than
+    its power is worth."""
+    return {
+        "renderengine.type": job.engine,
+        "renderengine.seed": job.seed + 1,
+        "native.threads.count": job.threads,
+        "sampler.type": job.sampler,
+        "sampler.sobol.adaptive.strength": 0.0,
+        "path.maxdepth": MAX_DEPTH,
+        "light.maxdepth": MAX_DEPTH,
+        "path.pathdepth.total": MAX_DEPTH,
+        "path.pathdepth.diffuse": MAX_DEPTH,
+        "path.pathdepth.glossy": MAX_DEPTH,
+        "path.pathdepth.specular": MAX_DEPTH,
+        "path.russianroulette.depth": ROULETTE_DEPTH[job.engine],
+        "path.clamping.variance.maxvalue": 0.0,
+        "lightstrategy.type": "POWER",
+        "film.width": job.width,
+        "film.height": job.height,
+        "film.filter.type": "NONE",
+        "film.opencl.enable": False,
+        "film.imagepipelines.0.0.type": "NOP",
+        "film.outputs.0.type": "RGB_IMAGEPIPELINE",
+        "film.outputs.0.filename": "unused.exr",
+    }
+
+
+def start_session(job):
+    scene = pyluxcore.Scene()
+    scene.Parse(pyluxcore.Properties(job.scene))
+    properties = pyluxcore.Properties()
+    for name, value in configuration(job).items():
+        properties.Set(pyluxcore.Property(name, value))
+    session = pyluxcore.RenderSession(pyluxcore.RenderConfig(properties, scene))
+    session.Start()
+    return session
+
+
+def top_row_first(pixels, width):
+    """LuxCore's first row is the lowest."""
+    row = 3 * width
+    rows = [pixels[start : start + row] for start in range(0, len(pixels), row)]
+    return b"".join(values.tobytes() for values in reversed(rows))
+
+
+def render(job):
+    """The clock starts when LuxCore has loaded the scene and built its acceleration structures."""
+    pyluxcore.Init()
+    session = start_session(job)
+    start = time.perf_counter()
+    frames = FrameWriter(job.output)
+    for seconds in job.times:
+        time.sleep(max(0.0, start + seconds - time.perf_counter()))
+        session.UpdateStats()
+        elapsed = time.perf_counter() - start
+        samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
+        pixels = array("f", bytes(4 * 3 * job.width * job.height))
+        session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB_IMAGEPIPELINE, pixels, 0, True)
+        frames.add(elapsed, samples, top_row_first(pixels, job.width))
+    frames.finish()
+
+
+def main():
+    try:
+        render(read_job(sys.argv[1]))
+    except Exception as error:  # whatever it is, the process must end here
+        print(f"LuxCore: {error}", file=sys.stderr, flush=True)
+        os._exit(1)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()
