@@ -83,6 +83,8 @@ def _material(name, surface):
             f"{key}.emission = {_numbers(surface.radiance)}",
             f"{key}.emission.gain = 1 1 1",
             f"{key}.emission.power = 0",
+            # By default a lamp of more than 256 triangles is left to chance.
+            f'{key}.emission.directlightsampling.type = "ENABLED"',
         ]
     return lines
 

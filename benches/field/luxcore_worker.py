@@ -12,32 +12,34 @@ import pyluxcore
 
 from worker import FrameWriter, read_job
 
-# BIDIRCPU limits the two subpaths, not the path (engines/bidircpu/bidircputhread.cpp), so that no limit
-# on path length can be shared with other programs: this one is beyond what matters in the scenes.
-MAX_DEPTH = 16
+# Length of paths from the eye and from lights. BIDIRCPU limits the two subpaths, not the path they make
+# (engines/bidircpu/bidircputhread.cpp), so that no limit on path length can be shared with other programs: here it is
+# the greatest max_depth of the scenes, and paths of up to 13 edges are complete.
+MAX_DEPTH = {"BIDIRCPU": 12, "PATHCPU": 32}
 
 # BIDIRCPU's weights take Russian roulette into account where vertices are joined and not where they
 # are made (the same file, ConnectVertices and Bounce), so that its images become too bright, by 4 to 8% in
 # the scene cornell. It goes without; PATHCPU has it from LuxCore's default depth on.
-ROULETTE_DEPTH = {"BIDIRCPU": MAX_DEPTH + 1, "PATHCPU": 3}
+ROULETTE_DEPTH = {"BIDIRCPU": MAX_DEPTH["BIDIRCPU"] + 1, "PATHCPU": 3}
 
 
 def configuration(job):
     """No clamping, no filter, linear values; samplers are as LuxCore has them by default, but SOBOL is not
     adaptive. Lights are chosen by power: by default a lamp of many triangles would be chosen more often than
     its power is worth."""
+    depth = MAX_DEPTH[job.engine]
     return {
         "renderengine.type": job.engine,
         "renderengine.seed": job.seed + 1,
         "native.threads.count": job.threads,
         "sampler.type": job.sampler,
         "sampler.sobol.adaptive.strength": 0.0,
-        "path.maxdepth": MAX_DEPTH,
-        "light.maxdepth": MAX_DEPTH,
-        "path.pathdepth.total": MAX_DEPTH,
-        "path.pathdepth.diffuse": MAX_DEPTH,
-        "path.pathdepth.glossy": MAX_DEPTH,
-        "path.pathdepth.specular": MAX_DEPTH,
+        "path.maxdepth": depth,
+        "light.maxdepth": depth,
+        "path.pathdepth.total": depth,
+        "path.pathdepth.diffuse": depth,
+        "path.pathdepth.glossy": depth,
+        "path.pathdepth.specular": depth,
         "path.russianroulette.depth": ROULETTE_DEPTH[job.engine],
         "path.clamping.variance.maxvalue": 0.0,
         "lightstrategy.type": "POWER",

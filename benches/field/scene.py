@@ -158,7 +158,7 @@ class _Reader:
         material, radiance = None, None
         for node in self._children(props):
             if node.props.plugin_name() == "area":
-                radiance = _color(node.props["radiance"])
+                radiance = _triple(node.props["radiance"])
             else:
                 material = self._material(node.props)
         if material is None:
@@ -197,6 +197,8 @@ class _Reader:
                 return Material("glass", int_ior=inside, ext_ior=outside)
             return Material("rough_glass", int_ior=inside, ext_ior=outside, alpha=_alpha(props))
         if kind in ("conductor", "roughconductor"):
+            if "specular_reflectance" in props and set(_triple(props["specular_reflectance"])) != {1.0}:
+                raise self._error("specular_reflectance other than 1 is not on common ground")
             eta, k = _metal(props["material"])
             if kind == "conductor":
                 return Material("mirror", _normal_reflectance(eta, k), two_sided)
@@ -208,24 +210,24 @@ class _Reader:
             return DEFAULT_REFLECTANCE
         node = self._child(props[name])
         if node is None:
-            return _color(props[name])
+            return _triple(props[name])
         texture = node.props
         if texture.plugin_name() != "checkerboard":
             raise self._error(f"texture {texture.plugin_name()!r} is not on common ground")
         matrix = np.array(texture["to_uv"].matrix)
-        return Checkerboard(_color(texture["color0"]), _color(texture["color1"]), (matrix[0, 0], matrix[1, 1]))
+        return Checkerboard(_triple(texture["color0"]), _triple(texture["color1"]), (float(matrix[0, 0]), float(matrix[1, 1])))
 
     def _add_emitter(self, scene, props):
         kind = props.plugin_name()
         if kind == "point":
-            scene.points.append((tuple(np.array(props["position"])), _color(props["intensity"])))
+            scene.points.append((_triple(props["position"]), _triple(props["intensity"])))
         elif kind == "constant":
-            scene.sky = _color(props["radiance"])
+            scene.sky = _triple(props["radiance"])
         else:
             raise self._error(f"emitter {kind!r} is not on common ground")
 
 
-def _color(value):
+def _triple(value):
     return tuple(float(v) for v in np.array(value))
 
 
@@ -246,7 +248,7 @@ def _metal(name):
     """Mitsuba's eta and k of a metal, in R, G and B."""
     bsdf = mi.load_dict({"type": "roughconductor", "material": name})
     params = mi.traverse(bsdf)
-    return _color(params["eta.value"]), _color(params["k.value"])
+    return _triple(params["eta.value"]), _triple(params["k.value"])
 
 
 def _normal_reflectance(eta, k):
