@@ -4,9 +4,12 @@ Mitsuba has no limit in time, so the image is the mean of passes, each with a se
 the time is over. The first pass compiles the kernel and is not counted.
 """
 
+import os
 import sys
 import time
+from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -21,16 +24,22 @@ CALIBRATION_SAMPLES = 2
 PASSES_PER_SEED = 1 << 16
 
 
+def find_llvm():
+    """Tells Dr.Jit of Debian's library, which it does not find by its name."""
+    found = sorted(Path("/usr/lib").glob("*/libLLVM.so.*"))
+    if found:
+        os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(found[-1]))
+
+
 def choose_variant(threads):
     """`llvm_ad_rgb` if there is an LLVM to compile with, else the slower `scalar_rgb`."""
-    import drjit as dr
-
+    find_llvm()
     dr.set_thread_count(threads)
-    if "llvm_ad_rgb" in mi.variants() and dr.has_backend(dr.JitBackend.LLVM):
+    if dr.has_backend(dr.JitBackend.LLVM):
         mi.set_variant("llvm_ad_rgb")
     else:
+        print("Mitsuba renders as scalar_rgb, for there is no LLVM: slower than it could")
         mi.set_variant("scalar_rgb")
-        mi.Thread.set_thread_count(threads)
 
 
 def render(job):

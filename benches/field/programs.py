@@ -91,20 +91,22 @@ def render(program, setting, seed, times):
     )
     job_path = setting.directory / "job.json"
     job.write(job_path)
-    _run([sys.executable, str(HERE / worker), str(job_path)], program, times[-1])
+    said = _run([sys.executable, str(HERE / worker), str(job_path)], program, times[-1])
+    if program.name == "Mitsuba" and said:
+        print(f"  {said.strip()}", flush=True)
     return _read_frames(output, setting)
 
 
 def _run(command, program, seconds):
+    """What the command printed."""
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=seconds + PATIENCE, env=os.environ, check=False
-        )
+        done = subprocess.run(command, capture_output=True, text=True, timeout=seconds + PATIENCE, check=False)
     except subprocess.TimeoutExpired as error:
         raise RenderError(f"{program.label} did not end: {' '.join(command)}") from error
     if done.returncode != 0:
         said = done.stderr.strip()[-2000:]
         raise RenderError(f"{program.label} ended with {done.returncode}: {' '.join(command)}\n{said}")
+    return done.stdout
 
 
 def _read_frames(directory, setting):
