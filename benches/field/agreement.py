@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from problem import Problem
 from programs import render
 
 SCENE = "cornell"
@@ -17,13 +18,9 @@ STANDARD_ERRORS = 5
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-class Disagreement(Exception):
-    """Programs do not render the same picture."""
-
-
 def check(programs, setting, seconds):
     """Renders with four seeds each and prints how means and tiles compare with those of the first program; a
-    difference beyond tolerance and five standard errors of four seeds is a `Disagreement`."""
+    difference beyond tolerance and five standard errors of four seeds is a `Problem`."""
     measured = {program.label: _measure(program, setting, seconds) for program in programs}
     first = programs[0].label
     print(f"{'program':32} {'mean':>8} {'against ' + first:>24} {'worst tile':>12}")
@@ -40,7 +37,7 @@ def check(programs, setting, seconds):
         if abs(mean_off) > mean_allowed or abs(tile_off.flat[worst]) > tile_allowed.flat[worst]:
             wrong.append(label)
     if wrong:
-        raise Disagreement(f"{', '.join(wrong)}: not the picture that {first} renders of {SCENE}")
+        raise Problem(f"{', '.join(wrong)}: not the picture that {first} renders of {SCENE}")
 
 
 def _measure(program, setting, seconds):

@@ -13,14 +13,18 @@ import pyluxcore
 from worker import FrameWriter, read_job
 
 # Length of paths from the eye and from lights. BIDIRCPU limits the two subpaths, not the path they make
-# (engines/bidircpu/bidircputhread.cpp), so that no limit on path length can be shared with other programs: here it is
-# the greatest max_depth of the scenes, and paths of up to 13 edges are complete.
+# (engines/bidircpu/bidircputhread.cpp), so that no limit on path length can be shared with other programs:
+# here it is the greatest max_depth of the scenes, and paths of up to 13 edges are complete.
 MAX_DEPTH = {"BIDIRCPU": 12, "PATHCPU": 32}
 
 # BIDIRCPU's weights take Russian roulette into account where vertices are joined and not where they
 # are made (the same file, ConnectVertices and Bounce), so that its images become too bright, by 4 to 8% in
 # the scene cornell. It goes without; PATHCPU has it from LuxCore's default depth on.
 ROULETTE_DEPTH = {"BIDIRCPU": MAX_DEPTH["BIDIRCPU"] + 1, "PATHCPU": 3}
+
+
+# Threads have seeds counted up from that of the render, which must not be those of the next one.
+SEED_STEP = 1024
 
 
 def configuration(job):
@@ -30,7 +34,7 @@ def configuration(job):
     depth = MAX_DEPTH[job.engine]
     return {
         "renderengine.type": job.engine,
-        "renderengine.seed": job.seed + 1,
+        "renderengine.seed": 1 + SEED_STEP * job.seed,
         "native.threads.count": job.threads,
         "sampler.type": job.sampler,
         "sampler.sobol.adaptive.strength": 0.0,

@@ -11,16 +11,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from problem import Problem
 from worker import Job
 
 HERE = Path(__file__).resolve().parent
 
 # Loading and compiling may take so many seconds beyond those of the render.
 PATIENCE = 120
-
-
-class RenderError(Exception):
-    """A program failed."""
 
 
 @dataclass(frozen=True)
@@ -102,10 +99,10 @@ def _run(command, program, seconds):
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=seconds + PATIENCE, check=False)
     except subprocess.TimeoutExpired as error:
-        raise RenderError(f"{program.label} did not end: {' '.join(command)}") from error
+        raise Problem(f"{program.label} did not end: {' '.join(command)}") from error
     if done.returncode != 0:
         said = done.stderr.strip()[-2000:]
-        raise RenderError(f"{program.label} ended with {done.returncode}: {' '.join(command)}\n{said}")
+        raise Problem(f"{program.label} ended with {done.returncode}: {' '.join(command)}\n{said}")
     return done.stdout
 
 

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from errors import relative, summarise
+from problem import Problem
 from programs import read_exr, render
 
 # Seeds of references; measured ones are smaller.
@@ -31,7 +32,7 @@ def find_or_make(name, directory, candidates, setting, seconds):
     if image.exists() or other.exists():
         pixels = np.load(image) if image.exists() else read_exr(other)
         if pixels.shape != (setting.height, setting.width, 3):
-            raise ValueError(f"the reference {name} in {directory} has another size than the scene: {pixels.shape}")
+            raise Problem(f"the reference {name} in {directory} has another size than the scene: {pixels.shape}")
         known = {"made_by": "given", "error": float("nan")}
         if about.exists():
             known = json.loads(about.read_text(encoding="utf-8"))

@@ -3,11 +3,13 @@
 import csv
 from dataclasses import asdict, dataclass, fields
 
+from problem import Problem
+
 
 @dataclass(frozen=True)
 class Row:
-    """`budget` is the time an image was due at and `seconds` when it was taken; `samples` are per pixel. Errors are
-    those of errors.py; `mean` is over pixels and channels, in the scene's radiance."""
+    """`budget` is the time an image was due at and `seconds` when it was taken; `samples` are per pixel.
+    Errors are those of errors.py; `mean` is over pixels and channels, in the scene's radiance."""
 
     scene: str
     program: str
@@ -37,8 +39,17 @@ def read(path):
         return [Row(**{name: kinds[name](value) for name, value in line.items()}) for line in csv.DictReader(file)]
 
 
+def finished(rows, budgets):
+    """The renders that are there, as (scene, program, seed), of which no more have to be made; all must have been
+    kept at `budgets`."""
+    wrong = {row.budget for row in rows} - set(budgets)
+    if wrong:
+        raise Problem(f"there are images after {sorted(wrong)} s, and these would be after {budgets} s")
+    return {(row.scene, row.label, row.seed) for row in rows}
+
+
 def start(path):
-    """An empty table, in place of an older one."""
+    """An empty table."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerow(field.name for field in fields(Row))
 

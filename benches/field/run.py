@@ -22,6 +22,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from problem import Problem
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 SCENES = ["cornell", "spheres", "pool", "torus-in-glass", "door", "bidir", "rough-glass", "lost-caustic"]
 DOCUMENT = REPOSITORY / "docs" / "performance.md"
@@ -98,9 +100,11 @@ def measure(options, table):
     import results
     from agreement import SCENE, check
 
+    if table.is_file() and not options.resume:
+        raise Problem(f"{table} is there: remove it, or go on with --resume")
     binary = options.metrolight or build()
     if not binary.is_file():
-        raise SystemExit(f"error: there is no {binary}")
+        raise Problem(f"there is no {binary}")
     field = programs.metrolight(options.metrolight_integrators) + programs.LUXCORE + programs.MITSUBA
 
     settings = {name: prepare(name, options, binary) for name in dict.fromkeys([*options.scenes, SCENE])}
@@ -110,9 +114,9 @@ def measure(options, table):
         others = [program for program in field if program not in reference_first]
         check(reference_first + others, settings[SCENE][0], options.check_seconds)
 
-    if not (options.resume and table.is_file()):
+    if not table.is_file():
         results.start(table)
-    have = {(row.scene, row.label, row.seed) for row in results.read(table)}
+    have = results.finished(results.read(table), budgets(options))
     references = {name: make_references(name, *settings[name], options) for name in options.scenes}
     for seed in range(options.seeds):
         for name in options.scenes:
@@ -131,6 +135,11 @@ def measure(options, table):
                     f" mean {last.mean / last.reference_mean:.3f}",
                     flush=True,
                 )
+
+
+def budgets(options):
+    """Seconds after which images are kept."""
+    return [part * options.seconds for part in PARTS]
 
 
 def build():
@@ -177,9 +186,9 @@ def measure_one(name, program, setting, seed, options, reference):
     from errors import measure as measure_errors
     from results import Row
 
-    budgets = [part * options.seconds for part in PARTS]
+    times = budgets(options)
     rows = []
-    for budget, frame in zip(budgets, programs.render(program, setting, seed, budgets)):
+    for budget, frame in zip(times, programs.render(program, setting, seed, times)):
         errors = measure_errors(frame.image, reference.image)
         rows.append(
             Row(
@@ -212,7 +221,7 @@ def present(table, options):
 
     rows = results.read(table)
     if not rows:
-        raise SystemExit(f"error: {table} has no rows")
+        raise Problem(f"{table} has no rows")
     text = tables.markdown(rows)
     (options.output / "field.md").write_text(text + "\n", encoding="utf-8")
     pictures = [options.output / "field.svg", options.output / "field.png"]
@@ -231,7 +240,5 @@ if __name__ == "__main__":
         main()
     except KeyboardInterrupt:
         sys.exit("interrupted; --resume goes on")
-    except Exception as error:
-        if type(error).__module__ in ("programs", "agreement", "scene"):
-            sys.exit(f"error: {error}")
-        raise
+    except Problem as problem:
+        sys.exit(f"error: {problem}")

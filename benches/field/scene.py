@@ -20,6 +20,7 @@ import mitsuba as mi
 import numpy as np
 
 from meshes import Mesh, cube, from_file, rectangle, sphere
+from problem import Problem
 
 # What Mitsuba assumes where a scene says nothing.
 DEFAULT_REFLECTANCE = (0.5, 0.5, 0.5)
@@ -28,10 +29,6 @@ DEFAULT_ROUGHNESS = 0.1
 # Rows of triangles from pole to pole.
 SPHERE_ROWS = 64
 LAMP_ROWS = 12
-
-
-class SceneError(Exception):
-    """The scene has something that is not on common ground."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +121,7 @@ class _Reader:
         return scene
 
     def _error(self, problem):
-        return SceneError(f"{self.path}: {problem}")
+        return Problem(f"{self.path}: {problem}")
 
     def _child(self, value):
         """The node that a property names, None if it names none."""
@@ -215,7 +212,8 @@ class _Reader:
         if texture.plugin_name() != "checkerboard":
             raise self._error(f"texture {texture.plugin_name()!r} is not on common ground")
         matrix = np.array(texture["to_uv"].matrix)
-        return Checkerboard(_triple(texture["color0"]), _triple(texture["color1"]), (float(matrix[0, 0]), float(matrix[1, 1])))
+        periods = (float(matrix[0, 0]), float(matrix[1, 1]))
+        return Checkerboard(_triple(texture["color0"]), _triple(texture["color1"]), periods)
 
     def _add_emitter(self, scene, props):
         kind = props.plugin_name()

@@ -4,6 +4,8 @@ import math
 import re
 from statistics import fmean
 
+from problem import Problem
+
 MARK = re.compile(r"(<!-- field:begin -->\n).*?(<!-- field:end -->)", re.DOTALL)
 
 # A mean that is farther off than this is light not seen, or another material, and is pointed out.
@@ -100,7 +102,7 @@ def error_curve(rows, scene, label, name):
 
 
 def _references(rows, scene, rival):
-    made = in_order((row.reference, row.reference_error) for row in rows if row.scene == scene)
+    made = {row.reference: row.reference_error for row in rows if row.scene == scene}.items()
     described = " and ".join(f"{label} (own relMSE {error:.2g})" for label, error in made)
     compared = f"; equal error is that of {rival}" if rival else ""
     return f"- `{scene}`: reference by {described}{compared}."
@@ -111,5 +113,5 @@ def insert(document, text):
     old = document.read_text(encoding="utf-8")
     new, count = MARK.subn(lambda match: f"{match[1]}\n{text}\n\n{match[2]}", old)
     if count != 1:
-        raise ValueError(f"{document}: one pair of marks <!-- field:begin --> and <!-- field:end --> is needed")
+        raise Problem(f"{document}: one pair of marks <!-- field:begin --> and <!-- field:end --> is needed")
     document.write_text(new, encoding="utf-8")
