@@ -10,6 +10,9 @@ from tables import in_order
 
 COLUMNS = 4
 
+# Height in inches of the legend, below all panels.
+LEGEND = 1.0
+
 # Hue tells the program (Wong 2011, "Color blindness", Nature Methods 8), dash and mark the method.
 STYLES = {
     "Metrolight path": ("#56b4e9", ":", "v"),
@@ -18,6 +21,8 @@ STYLES = {
     "Metrolight mmlt": ("#000000", "-", "D"),
     "LuxCore BIDIRCPU METROPOLIS": ("#d55e00", "-", "o"),
     "LuxCore BIDIRCPU SOBOL": ("#d55e00", "--", "s"),
+    "LuxCore BIDIRCPU+roulette METROPOLIS": ("#cc79a7", "-", "o"),
+    "LuxCore BIDIRCPU+roulette SOBOL": ("#cc79a7", "--", "s"),
     "LuxCore PATHCPU SOBOL": ("#e69f00", ":", "v"),
     "Mitsuba path": ("#009e73", ":", "^"),
 }
@@ -30,15 +35,15 @@ def draw(rows, paths):
     labels = in_order(row.label for row in rows)
     columns = min(COLUMNS, len(scenes))
     lines = -(-len(scenes) // columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(3.1 * columns, 2.7 * lines + 0.9), squeeze=False)
+    figure, axes = plt.subplots(lines, columns, figsize=(3.1 * columns, 2.7 * lines + LEGEND), squeeze=False)
     for axis in axes.flat[len(scenes) :]:
         axis.set_visible(False)
     for axis, scene in zip(axes.flat, scenes):
         _panel(axis, [row for row in rows if row.scene == scene], scene)
     handles = [plt.Line2D([], [], label=label, **_look(label)) for label in labels]
     figure.supylabel("relMSE without the worst 0.1% of the pixels", fontsize=9)
-    figure.tight_layout(rect=(0.01, 0.9 / (2.7 * lines + 0.9), 1, 1))
-    figure.legend(handles=handles, loc="lower center", ncols=4, fontsize=8, frameon=False)
+    figure.tight_layout(rect=(0.01, LEGEND / (2.7 * lines + LEGEND), 1, 1))
+    figure.legend(handles=handles, loc="lower center", ncols=3, fontsize=8, frameon=False)
     for path in paths:
         figure.savefig(path, dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None)
     plt.close(figure)

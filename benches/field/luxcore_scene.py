@@ -4,6 +4,8 @@ What LuxCore does was read in its sources (src/slg) and checked by rendering; wh
 is named.
 """
 
+import math
+
 from scene import Checkerboard
 
 
@@ -23,7 +25,8 @@ def write(scene, directory):
         lines += [
             f'{light}.type = "point"',
             f"{light}.position = {_numbers(position)}",
-            *_light_color(light, intensity),
+            # LuxCore's is the flux into all directions.
+            *_light_color(light, [4 * math.pi * value for value in intensity]),
         ]
     if scene.sky is not None:
         lines += ['scene.lights.sky.type = "constantinfinite"', *_light_color("scene.lights.sky", scene.sky)]

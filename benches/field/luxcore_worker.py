@@ -14,14 +14,12 @@ from worker import FrameWriter, read_job
 
 # Length of paths from the eye and from lights. BIDIRCPU limits the two subpaths, not the path they make
 # (engines/bidircpu/bidircputhread.cpp), so that no limit on path length can be shared with other programs:
-# here it is the greatest max_depth of the scenes, and paths of up to 13 edges are complete.
-MAX_DEPTH = {"BIDIRCPU": 12, "PATHCPU": 32}
+# with roulette this one is beyond what matters, without it is the greatest max_depth of the scenes, and paths of
+# up to 13 edges are complete.
+MAX_DEPTH, MAX_DEPTH_WITHOUT_ROULETTE = 32, 12
 
-# BIDIRCPU's weights take Russian roulette into account where vertices are joined and not where they
-# are made (the same file, ConnectVertices and Bounce), so that its images become too bright, by 4 to 8% in
-# the scene cornell. It goes without; PATHCPU has it from LuxCore's default depth on.
-ROULETTE_DEPTH = {"BIDIRCPU": MAX_DEPTH["BIDIRCPU"] + 1, "PATHCPU": 3}
-
+# LuxCore's default.
+ROULETTE_DEPTH = 3
 
 # Threads have seeds counted up from that of the render, which must not be those of the next one.
 SEED_STEP = 1024
@@ -31,7 +29,7 @@ def configuration(job):
     """No clamping, no filter, linear values; samplers are as LuxCore has them by default, but SOBOL is not
     adaptive. Lights are chosen by power: by default a lamp of many triangles would be chosen more often than
     its power is worth."""
-    depth = MAX_DEPTH[job.engine]
+    depth = MAX_DEPTH if job.roulette else MAX_DEPTH_WITHOUT_ROULETTE
     return {
         "renderengine.type": job.engine,
         "renderengine.seed": 1 + SEED_STEP * job.seed,
@@ -44,7 +42,7 @@ def configuration(job):
         "path.pathdepth.diffuse": depth,
         "path.pathdepth.glossy": depth,
         "path.pathdepth.specular": depth,
-        "path.russianroulette.depth": ROULETTE_DEPTH[job.engine],
+        "path.russianroulette.depth": ROULETTE_DEPTH if job.roulette else depth + 1,
         "path.clamping.variance.maxvalue": 0.0,
         "lightstrategy.type": "POWER",
         "film.width": job.width,
@@ -85,10 +83,10 @@ def render(job):
         time.sleep(max(0.0, start + seconds - time.perf_counter()))
         session.UpdateStats()
         elapsed = time.perf_counter() - start
-        samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
+        samples = session.GetStats().Get("stats.renderengine.total.samplecount").GetFloat()
         pixels = array("f", bytes(4 * 3 * job.width * job.height))
         session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB_IMAGEPIPELINE, pixels, 0, True)
-        frames.add(elapsed, samples, top_row_first(pixels, job.width))
+        frames.add(elapsed, samples / (job.width * job.height), top_row_first(pixels, job.width))
     frames.finish()
 
 

@@ -105,13 +105,14 @@ def measure(options, table):
     binary = options.metrolight or build()
     if not binary.is_file():
         raise Problem(f"there is no {binary}")
-    field = programs.metrolight(options.metrolight_integrators) + programs.LUXCORE + programs.MITSUBA
+    right = programs.metrolight(options.metrolight_integrators) + programs.LUXCORE + programs.MITSUBA
+    field = right + programs.LUXCORE_BIASED
 
     settings = {name: prepare(name, options, binary) for name in dict.fromkeys([*options.scenes, SCENE])}
     if options.check_seconds > 0:
         print(f"Do all render the same {SCENE}?", flush=True)
         reference_first = programs.metrolight(["bdpt"])
-        others = [program for program in field if program not in reference_first]
+        others = [program for program in right if program not in reference_first]
         check(reference_first + others, settings[SCENE][0], options.check_seconds)
 
     if not table.is_file():

@@ -11,7 +11,7 @@ from pathlib import Path
 @dataclass(frozen=True)
 class Job:
     """One render. `times` are the seconds after which the image is kept, in rising order; the last ends the
-    render. `engine` and `sampler` are LuxCore's names, empty for Mitsuba."""
+    render. `engine` and `sampler` are LuxCore's names, empty for Mitsuba, and `roulette` is its Russian roulette."""
 
     scene: str
     width: int
@@ -22,6 +22,7 @@ class Job:
     output: str
     engine: str = ""
     sampler: str = ""
+    roulette: bool = True
 
     def write(self, path):
         Path(path).write_text(json.dumps(asdict(self)), encoding="utf-8")
