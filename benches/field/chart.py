@@ -4,7 +4,7 @@ import matplotlib
 
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from tables import in_order
 
@@ -12,6 +12,9 @@ COLUMNS = 4
 
 # Height in inches of the legend, below all panels.
 LEGEND = 1.0
+
+# Axes of less than this ratio have ticks at 2 and 5 too.
+NARROW = 100
 
 # Hue tells the program (Wong 2011, "Color blindness", Nature Methods 8), dash and mark the method.
 STYLES = {
@@ -71,5 +74,9 @@ def _panel(axis, rows, scene):
     budgets = sorted({row.budget for row in rows})
     axis.set_xticks(budgets, [f"{budget:.3g}" for budget in budgets])
     axis.xaxis.set_minor_formatter(NullFormatter())
+    least, greatest = axis.get_ylim()
+    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if greatest < NARROW * least else (1,), numticks=8))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _position: f"{value:g}"))
+    axis.yaxis.set_minor_formatter(NullFormatter())
     axis.tick_params(labelsize=7)
     axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
