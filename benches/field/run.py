@@ -66,7 +66,11 @@ def arguments():
         "materials SCENE-luxcore; what is missing is made [default: OUTPUT/references]",
     )
     parser.add_argument(
-        "--check-seconds", type=float, default=5, help="time of each render of step 2; 0 leaves it out [default: 5]"
+        "--check-seconds",
+        type=float,
+        default=10,
+        help="time of each render of step 2; 0 leaves it out. In less than 5 LuxCore's Metropolis chain, one to a "
+        "thread, has not forgotten where it began, and the check fails [default: 10]",
     )
     parser.add_argument(
         "--output", type=Path, default=REPOSITORY / "out" / "field", help="folder for all files [default: out/field]"
