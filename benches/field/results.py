@@ -1,0 +1,60 @@
+"""The raw figures, one row for each image, in a CSV file that grows while the experiment runs."""
+
+import csv
+from dataclasses import asdict, dataclass, fields
+
+from problem import Problem
+
+
+@dataclass(frozen=True)
+class Row:
+    """`budget` is the time an image was due at and `seconds` when it was taken; `samples` are per pixel.
+    Errors are those of errors.py; `mean` is over pixels and channels, in the scene's radiance."""
+
+    scene: str
+    program: str
+    integrator: str
+    sampler: str
+    seed: int
+    threads: int
+    budget: float
+    seconds: float
+    samples: float
+    relmse: float
+    relmse_trimmed_tenth: float
+    relmse_trimmed_two: float
+    mean: float
+    reference_mean: float
+    reference: str
+    reference_error: float
+
+    @property
+    def label(self):
+        return " ".join(filter(None, [self.program, self.integrator, self.sampler]))
+
+
+def read(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        kinds = {field.name: field.type for field in fields(Row)}
+        return [Row(**{name: kinds[name](value) for name, value in line.items()}) for line in csv.DictReader(file)]
+
+
+def finished(rows, budgets):
+    """The renders that are there, as (scene, program, seed), of which no more have to be made; all must have been
+    kept at `budgets`."""
+    wrong = {row.budget for row in rows} - set(budgets)
+    if wrong:
+        raise Problem(f"there are images after {sorted(wrong)} s, and these would be after {budgets} s")
+    return {(row.scene, row.label, row.seed) for row in rows}
+
+
+def start(path):
+    """An empty table."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerow(field.name for field in fields(Row))
+
+
+def append(path, rows):
+    with open(path, "a", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Row)])
+        writer.writerows(asdict(row) for row in rows)
