@@ -93,14 +93,24 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "render room.xml --integrator vcm",
-            "path, light, bdpt, pssmlt",
+            "path, light, bdpt, pssmlt, mmlt",
         ),
         (
             "render room.xml --integrator bdpt --chains 4",
             "--chains means nothing",
         ),
         (
-            "render room.xml --target-error 1 --chains 1",
+            "render room.xml --chains 4",
+            "--chains needs --integrator pssmlt",
+        ),
+        (
+            "render room.xml --integrator pssmlt --direct joint",
+            "--direct means nothing",
+        ),
+        ("render room.xml --threshold -1", "a number from 0 on"),
+        ("render room.xml --small-step log:1:2", "log:0.001:0.016"),
+        (
+            "render room.xml --integrator pssmlt --target-error 1 --chains 1",
             "two chains at least",
         ),
         ("render room.xml --max-depth 0", "-1 for no limit"),
@@ -175,7 +185,7 @@ fn an_output_that_cannot_be_written_is_noticed_before_rendering() {
 #[test]
 fn quiet_is_silent() {
     let place = Workplace::new();
-    for integrator in ["bdpt", "pssmlt"] {
+    for integrator in ["bdpt", "pssmlt", "mmlt"] {
         let arguments = format!("render sky.xml --quiet --spp 4 --integrator {integrator}");
         let assert = place.run(&arguments).assert();
         assert.success().stdout(is_empty()).stderr(is_empty());
@@ -241,7 +251,8 @@ fn statistics_tell_what_the_render_took_and_the_image_carries_them() {
         );
     }
 
-    let pssmlt = format!("render room.xml --bootstrap 5000 --chains 8 {common}");
+    let pssmlt =
+        format!("render room.xml --integrator pssmlt --bootstrap 5000 --chains 8 {common}");
     let summary = contains("b = ")
         .and(contains("+-"))
         .and(contains("steps accepted"));
@@ -261,6 +272,28 @@ fn statistics_tell_what_the_render_took_and_the_image_carries_them() {
         assert!(value.is_some_and(|v| v > 0.0), "{path}: {value:?}");
     }
     assert_attributes(&place.path("room.exr"), &stats);
+}
+
+/// Without `--integrator` a pilot chooses, and says why: what is lit by a lamp in view has no use for
+/// chains, a lamp behind glass has.
+#[test]
+fn a_pilot_chooses_the_integrator() {
+    let place = Workplace::new();
+    for (scene, chosen) in [("cornell", "bdpt or mmlt"), ("pool", "mmlt")] {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
+        let arguments =
+            format!("render {path}/{scene}/scene.xml --size 16x12 --spp 2 --stats s.json");
+        let told = contains(" is chosen: ").and(contains("--integrator overrules it"));
+        place.run(&arguments).assert().success().stderr(told);
+        let stats = place.json("s.json");
+        let integrator = stats["integrator"].as_str().expect("a name").to_owned();
+        assert!(chosen.contains(&integrator), "{scene}: {integrator}");
+        assert_eq!(stats["multiplexed"].is_object(), integrator == "mmlt");
+    }
+    let arguments = "render sky.xml --spp 2 --stats s.json";
+    let told = contains("bdpt is chosen: no path is bright enough");
+    place.run(arguments).assert().success().stderr(told);
+    assert_eq!(place.json("s.json")["integrator"], "bdpt");
 }
 
 /// The image at `path` carries some of the figures in `stats`.
@@ -288,7 +321,7 @@ fn assert_attributes(path: &Path, stats: &Value) {
 #[test]
 fn the_image_depends_on_the_seed_and_not_on_the_threads() {
     let place = Workplace::new();
-    for integrator in ["path", "light", "bdpt", "pssmlt"] {
+    for integrator in ["path", "light", "bdpt", "pssmlt", "mmlt"] {
         let mut images = Vec::new();
         for (threads, seed) in [(1, 1), (2, 1), (3, 1), (2, 2)] {
             let arguments = format!(
@@ -316,7 +349,7 @@ fn an_interrupted_render_keeps_its_image() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     let place = Workplace::new();
-    for integrator in ["bdpt", "pssmlt"] {
+    for integrator in ["bdpt", "pssmlt", "mmlt"] {
         let mut child = Command::new(assert_cmd::cargo::cargo_bin("metrolight"))
             .current_dir(place.path(""))
             .args([
@@ -436,7 +469,9 @@ fn help_needs_no_manual() {
         contains("Examples:")
             .and(contains("60s, 2m, 1.5h"))
             .and(contains("[default: path 64"))
-            .and(contains("[default: pssmlt]")),
+            .and(contains(
+                "[default: bdpt or mmlt, as a short pilot decides]",
+            )),
     );
     place
         .run("completions bash")

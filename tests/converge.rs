@@ -117,7 +117,7 @@ fn wrong_arguments_are_explained() {
         ("converge room.xml -o chart", "--integrators"),
         (
             "converge room.xml --integrators bdpt,vcm -o chart",
-            "path, light, bdpt, pssmlt",
+            "path, light, bdpt, pssmlt, mmlt",
         ),
         (
             "converge room.xml --integrators bdpt,bdpt -o chart",

@@ -157,7 +157,12 @@ fn assert_calibrated(path: &str, integrator: Integrator, spp: u64) {
 
 #[test]
 fn standard_errors_of_monte_carlo_cover_the_truth() {
-    for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
+    for integrator in [
+        Integrator::Path,
+        Integrator::Light,
+        Integrator::Bdpt,
+        Integrator::Mmlt,
+    ] {
         assert_calibrated("scenes/cornell/scene.xml", integrator, 32);
     }
 }

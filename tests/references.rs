@@ -53,7 +53,7 @@ fn check(
         }
         for integrator in integrators {
             let spp = match integrator {
-                Integrator::Bdpt => samples,
+                Integrator::Bdpt | Integrator::Mmlt => samples,
                 Integrator::Path | Integrator::Light | Integrator::Pssmlt => 2 * samples,
             };
             let settings = Settings {
@@ -80,7 +80,7 @@ fn small_scenes_equal_their_references() {
 /// With lamps of a size that path tracing can find, so that all integrators can be compared.
 #[test]
 fn our_scenes_equal_their_references() {
-    let others = |_: &Scene| vec![Integrator::Bdpt, Integrator::Pssmlt];
+    let others = |_: &Scene| vec![Integrator::Bdpt, Integrator::Pssmlt, Integrator::Mmlt];
     check(Entry::is_ours, 16, others);
 }
 

@@ -49,9 +49,10 @@ fn printed(integrator: &str, more: &[&str]) -> Vec<Vec<String>> {
 fn every_printed_command_shows_what_was_not_finite() {
     // Of a small bootstrap most samples are finite, so that chains meet some of the others.
     let with_chains = ["--bootstrap", "20", "--large-step-probability", "0.4"];
-    let cases: [(&str, &[&str], &str); 4] = [
+    let cases: [(&str, &[&str], &str); 5] = [
         ("bdpt", &[], "pass="),
         ("light", &[], "pass="),
+        ("mmlt", &[], "pass="),
         ("pssmlt", &[], "bootstrap="),
         ("pssmlt", &with_chains, "chain="),
     ];
@@ -77,7 +78,7 @@ fn every_printed_command_shows_what_was_not_finite() {
         "stability",
         &Stability {
             case: "contributions beyond f32 (a lamp of 3.3e38)",
-            method: "light, bdpt, pssmlt",
+            method: "light, bdpt, pssmlt, mmlt",
             happens: "the image stays finite; every printed command line makes its sample again".into(),
             told: "N contributions were NaN, infinite or negative and have been left out; not finite: metrolight replay ...".into(),
         },

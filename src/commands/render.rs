@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use metrolight::integrators::lost_light;
+use metrolight::markov::SmallStep;
 use metrolight::render::{
     Budget, DivisionSettings, Integrator, Settings, Statistics, choose, render,
 };
@@ -76,6 +77,9 @@ pub struct Args {
     )]
     large_step_probability: Option<f32>,
 
+    #[arg(long, value_name = "STEP", value_parser = values::small_step, help = small_step_help())]
+    small_step: Option<SmallStep>,
+
     #[arg(
         long,
         value_name = "N",
@@ -137,12 +141,21 @@ pub enum IntegratorName {
 }
 
 /// Who renders direct light.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum DirectName {
     /// Plain samples alone
     Separate,
     /// Plain samples, and chains where it is bright
     Joint,
+}
+
+impl std::fmt::Display for DirectName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Separate => "separate",
+            Self::Joint => "joint",
+        })
+    }
 }
 
 impl From<Integrator> for IntegratorName {
@@ -192,6 +205,16 @@ fn spp_help() -> String {
 fn large_step_help() -> String {
     let default = Settings::default().large_step_probability;
     format!("pssmlt: probability of a large step, from 0 to 1 [default: {default}]")
+}
+
+fn small_step_help() -> String {
+    let default = |integrator: Integrator| integrator.default_small_step().to_string();
+    format!(
+        "pssmlt, mmlt: how numbers move in a small step: log:SHORTEST:LONGEST or gaussian:DEVIATION \
+         [default: {}, {}]",
+        default(Integrator::Pssmlt),
+        default(Integrator::Mmlt)
+    )
 }
 
 fn chains_help() -> String {
@@ -277,6 +300,7 @@ impl Args {
             large_step_probability: self
                 .large_step_probability
                 .unwrap_or(defaults.large_step_probability),
+            small_step: self.small_step.unwrap_or(defaults.small_step),
             chains: self.chains.unwrap_or(defaults.chains),
             bootstrap: self.bootstrap,
             division: DivisionSettings {
@@ -287,24 +311,25 @@ impl Args {
         })
     }
 
-    /// Options that mean something to one integrator alone must come with it.
+    /// Options that mean something to some integrators alone must come with one of them.
     fn check_options(&self, integrator: Integrator) -> miette::Result<()> {
         let (pssmlt, mmlt) = (Integrator::Pssmlt, Integrator::Mmlt);
         let large_step = self.large_step_probability.is_some();
-        let of_one = [
-            ("--large-step-probability", large_step, pssmlt),
-            ("--chains", self.chains.is_some(), pssmlt),
-            ("--bootstrap", self.bootstrap.is_some(), pssmlt),
-            ("--direct", self.direct.is_some(), mmlt),
-            ("--no-importance-map", self.no_importance_map, mmlt),
-            ("--threshold", self.threshold.is_some(), mmlt),
+        let of_some = [
+            ("--large-step-probability", large_step, &[pssmlt][..]),
+            ("--small-step", self.small_step.is_some(), &[pssmlt, mmlt]),
+            ("--chains", self.chains.is_some(), &[pssmlt]),
+            ("--bootstrap", self.bootstrap.is_some(), &[pssmlt]),
+            ("--direct", self.direct.is_some(), &[mmlt]),
+            ("--no-importance-map", self.no_importance_map, &[mmlt]),
+            ("--threshold", self.threshold.is_some(), &[mmlt]),
         ];
-        for (option, given, of) in of_one {
+        for (option, given, of) in of_some {
             match self.integrator {
-                Some(name) if given && of != integrator => {
+                Some(name) if given && !of.contains(&integrator) => {
                     bail!("{option} means nothing to the integrator {name}")
                 }
-                None if given => bail!("{option} needs --integrator {}", of.name()),
+                None if given => bail!("{option} needs --integrator {}", of[0].name()),
                 _ => {}
             }
         }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use metrolight::integrators::Technique;
+use metrolight::markov::SmallStep;
 use metrolight::math::color::is_light;
 use metrolight::path::{Connection, Vertex};
 use metrolight::render::{Origin, Replay, Settings};
@@ -48,6 +49,10 @@ pub struct Args {
         default_value_t = Settings::default().large_step_probability
     )]
     large_step_probability: f32,
+
+    /// Small steps in the render, for a sample of a chain [default: those of the integrator]
+    #[arg(long, value_name = "STEP", value_parser = values::small_step)]
+    small_step: Option<SmallStep>,
 }
 
 /// The command line that shows the sample of a render that came from `origin`.
@@ -58,10 +63,15 @@ pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String
         settings.integrator.name(),
         settings.seed
     );
-    let p = settings.large_step_probability;
-    let is_usual = p == Settings::default().large_step_probability;
-    if matches!(origin, Origin::Mutation { .. }) && !is_usual {
-        words += &format!(" --large-step-probability {p}");
+    let usual = Settings::new(settings.integrator);
+    if matches!(origin, Origin::Mutation { .. }) {
+        let (p, step) = (settings.large_step_probability, settings.small_step);
+        if p != usual.large_step_probability {
+            words += &format!(" --large-step-probability {p}");
+        }
+        if step != usual.small_step {
+            words += &format!(" --small-step {step}");
+        }
     }
     words
 }
@@ -70,10 +80,12 @@ pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
     print_warnings(&opened.warnings);
+    let usual = Settings::new(args.integrator.into());
     let settings = Settings {
         seed: args.seed,
         large_step_probability: args.large_step_probability,
-        ..Settings::new(args.integrator.into())
+        small_step: args.small_step.unwrap_or(usual.small_step),
+        ..usual
     };
     let scene = &opened.scene;
     let replay = match Replay::run(scene, &settings, args.at) {

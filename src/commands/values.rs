@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use metrolight::markov::SmallStep;
+
 /// Seconds, from `60`, `60s`, `2m` or `1.5h`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.char_indices().next_back() {
@@ -41,6 +43,31 @@ pub fn probability(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|p| (0.0..=1.0).contains(p))
         .ok_or_else(|| "a number from 0 to 1 is needed".into())
+}
+
+/// A small step: lengths with evenly distributed logarithms between two bounds, or normally
+/// distributed ones.
+pub fn small_step(text: &str) -> Result<SmallStep, String> {
+    let length = |text: &str| {
+        let parsed: Option<f32> = text.parse().ok();
+        parsed.filter(|length| (1e-7..=0.5).contains(length))
+    };
+    let parts: Vec<&str> = text.split(':').collect();
+    let step = match parts[..] {
+        ["log", shortest, longest] => match (length(shortest), length(longest)) {
+            (Some(a), Some(b)) if a <= b => Some(SmallStep::new(a, b)),
+            _ => None,
+        },
+        ["gaussian", deviation] => {
+            length(deviation).map(|deviation| SmallStep::Gaussian { deviation })
+        }
+        _ => None,
+    };
+    step.ok_or_else(|| {
+        "log:SHORTEST:LONGEST or gaussian:DEVIATION is needed, with lengths from 1e-7 to 0.5, such \
+         as log:0.001:0.016"
+            .into()
+    })
 }
 
 /// A brightness beyond which chains take over.

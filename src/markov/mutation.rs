@@ -1,5 +1,6 @@
 //! Small steps.
 
+use std::fmt;
 use std::ops::Range;
 
 use rand::{Rng, RngExt};
@@ -112,6 +113,23 @@ impl SmallStep {
             Self::Redraw { probability } => ENOUGH / f64::from(probability),
         };
         steps.ceil() as u64
+    }
+}
+
+impl fmt::Display for SmallStep {
+    /// As `metrolight --small-step` takes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::LogUniform {
+                longest,
+                log2_ratio,
+            } => {
+                let shortest = longest * log2_ratio.exp2();
+                write!(f, "log:{shortest}:{longest}")
+            }
+            Self::Gaussian { deviation } => write!(f, "gaussian:{deviation}"),
+            Self::Redraw { probability } => write!(f, "redraw:{probability}"),
+        }
     }
 }
 

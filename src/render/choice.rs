@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::division::Division;
 use super::pilot::Pilot;
+use super::sweep::size;
 use super::{Integrator, Observer, Settings, in_pool};
 use crate::integrators::{Loss, LostLight, Sampler, lost_light};
 use crate::scene::Scene;
@@ -69,7 +70,9 @@ pub fn choose(
     in_pool(settings.threads, || {
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
         let pilot = Pilot::run(scene, settings.seed, is_over);
-        let gain = Division::new(scene, &pilot, settings.division).gain.powi(2);
+        let gain = Division::new(size(scene), &pilot, settings.division)
+            .gain
+            .powi(2);
         let rare = |lost: &LostLight| lost.loss == Loss::Nearly;
         let rare_light = lost_light(scene, Sampler::Bidirectional).iter().any(rare);
         Choice {

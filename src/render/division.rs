@@ -28,7 +28,6 @@ use super::importance::ImportanceMap;
 use super::pilot::Pilot;
 use crate::film::Splat;
 use crate::math::{Rgb, luminance};
-use crate::scene::Scene;
 
 /// eta of (2): how many mutations of a chain tell as much as one independent path. On the scenes of the
 /// repository anything from 10 to 400 gives about the same errors.
@@ -79,11 +78,10 @@ impl Default for DivisionSettings {
 }
 
 impl Division {
-    /// The best division as far as `pilot` can tell.
-    pub fn new(scene: &Scene, pilot: &Pilot, settings: DivisionSettings) -> Self {
+    /// The best division for a film of `size` pixels, as far as `pilot` can tell.
+    pub fn new(size: [u32; 2], pilot: &Pilot, settings: DivisionSettings) -> Self {
         let splats: Vec<Splat> = pilot.found.iter().map(|found| found.splat).collect();
         let map = if settings.importance {
-            let size = [scene.film.width, scene.film.height];
             ImportanceMap::new(&splats, pilot.samples, size)
         } else {
             ImportanceMap::uniform(ImportanceMap::mean(&splats, pilot.samples) as f32)
@@ -195,5 +193,84 @@ impl Moments {
         scored
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(f64::INFINITY, |(threshold, _)| threshold)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rgb;
+    use crate::render::pilot::Found;
+    use crate::scene::RayCounts;
+
+    /// A pilot of `n` samples that have each found a grey path of three edges and this brightness.
+    fn pilot(n: u64, brightness: impl Fn(u64) -> f32) -> Pilot {
+        let found = |i: u64| Found {
+            edges: 3,
+            splat: Splat {
+                position: [0.5, 0.5],
+                value: Rgb::splat(brightness(i)),
+            },
+        };
+        Pilot {
+            samples: n,
+            found: (0..n).map(found).collect(),
+            rays: RayCounts {
+                closest_hit: 8 * n,
+                shadow: 8 * n,
+            },
+        }
+    }
+
+    fn division(pilot: &Pilot, settings: DivisionSettings) -> Division {
+        Division::new([64, 48], pilot, settings)
+    }
+
+    #[test]
+    fn plain_samples_are_bounded_and_chains_have_the_rest() {
+        let division = division(&pilot(1 << 12, |_| 2.0), DivisionSettings::default());
+        for brightness in [1e-3, 1.0, 30.0, 1e6f32] {
+            let value = Rgb::splat(brightness);
+            let position = [0.3, 0.7];
+            let share = division.chain_share(5, value, position);
+            let plain = division.brightness(value * (1.0 - share), position);
+            assert!(plain <= division.threshold * (1.0 + 1e-4), "{plain}");
+            assert!((0.0..1.0).contains(&share));
+            assert_eq!(division.chain_share(2, value, position), 0.0);
+        }
+    }
+
+    #[test]
+    fn joint_direct_light_may_go_to_chains() {
+        let settings = DivisionSettings {
+            separate_direct: false,
+            threshold: Some(1.0),
+            ..DivisionSettings::default()
+        };
+        let division = division(&pilot(1 << 12, |_| 2.0), settings);
+        let share = division.chain_share(1, Rgb::splat(200.0), [0.5, 0.5]);
+        assert!((share - 0.99).abs() < 1e-3, "{share}");
+    }
+
+    /// Where all paths are alike chains gain nothing; where one path in a thousand has half of the light
+    /// they gain much, and the threshold lies between the two kinds.
+    #[test]
+    fn chains_pay_where_few_paths_have_much_light() {
+        let even = division(&pilot(1 << 14, |_| 1.0), DivisionSettings::default());
+        assert!((even.gain - 1.0).abs() < 1e-3, "{}", even.gain);
+        let rare = |i: u64| if i.is_multiple_of(1000) { 1000.0 } else { 1.0 };
+        let uneven = division(&pilot(1 << 14, rare), DivisionSettings::default());
+        assert!(uneven.gain > 2.0, "{}", uneven.gain);
+        assert!(
+            (1.0..400.0).contains(&uneven.threshold),
+            "{}",
+            uneven.threshold
+        );
+    }
+
+    #[test]
+    fn darkness_is_divided_too() {
+        let dark = division(&pilot(1 << 12, |_| 0.0), DivisionSettings::default());
+        assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain == 1.0);
     }
 }

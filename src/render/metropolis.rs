@@ -24,7 +24,7 @@ use super::{
 };
 use crate::film::{Image, SplatFilm, SplatLog};
 use crate::integrators::Splats;
-use crate::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep, Weighing};
+use crate::markov::{Bootstrap, BootstrapLimits, Chain, Weighing};
 use crate::math::color::to_pixel;
 use crate::math::seeds;
 use crate::scene::{RayCounts, Scene};
@@ -163,7 +163,7 @@ impl<'a> Driver<'a> {
                     bootstrap.generator(start),
                     generator,
                     self.settings.large_step_probability,
-                    SmallStep::default(),
+                    self.settings.small_step,
                 )
             })
             .collect();

@@ -11,7 +11,7 @@ use super::division::Division;
 use super::error::{ErrorEstimate, Passes, Target};
 use super::pilot::Pilot;
 use super::redistribution::{Excess, Redistribution};
-use super::sweep::{AtPixel, Collector, Place, Sweep, pixels};
+use super::sweep::{AtPixel, Collector, Place, Sweep, pixels, size};
 use super::warnings;
 use super::{
     Integrator, MultiplexedStatistics, NonFinite, Observer, Origin, Rendering, Settings, Statistics,
@@ -153,9 +153,8 @@ impl<'a> Canvas<'a> {
         let pilot = Pilot::run(self.scene, self.settings.seed, || {
             self.settings.pilot_is_over(start) || observer.interrupted()
         });
-        let division = Division::new(self.scene, &pilot, self.settings.division);
-        let seed = self.settings.seed;
-        self.chains = Some(Redistribution::new(self.scene, division, seed));
+        let division = Division::new(size(self.scene), &pilot, self.settings.division);
+        self.chains = Some(Redistribution::new(self.scene, division, self.settings));
         self.pilot_rays = pilot.rays;
     }
 

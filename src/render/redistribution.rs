@@ -23,10 +23,10 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::NonFinite;
 use super::division::Division;
 use super::multiplexed::MultiplexedTarget;
 use super::sweep::AtPixel;
+use super::{NonFinite, Settings};
 use crate::film::{FilmSampler, Splat, SplatLog};
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::{
@@ -44,14 +44,9 @@ const MUTATIONS: [f64; 2] = [64.0, 8192.0];
 /// Mutations per plain sample at most: beyond that each carries more energy.
 const MOST_PER_SAMPLE: f64 = 8.0;
 
-/// How the chains move: lengths of small steps over many scales, so that there are some for features of
-/// any size. The choice of technique is drawn anew, now and then, as neighbouring values have
-/// nothing in common but where they mean the same.
-fn steps() -> Steps {
-    let scales = SmallStep::new(1.0 / f32::exp2(18.0), 1.0 / 64.0);
-    let technique = SmallStep::Redraw { probability: 0.02 };
-    Steps::from(scales).with(Stream::Technique, 0..1, technique)
-}
+/// Probability with which a step draws the choice of technique anew, else it stays: neighbouring values
+/// have nothing in common but where they mean the same technique.
+const TECHNIQUE: f32 = 0.02;
 
 /// What a plain sample has found of the chains' share.
 #[derive(Clone, Debug)]
@@ -78,6 +73,7 @@ pub struct Redistribution<'a> {
     scene: &'a Scene,
     division: Division,
     seed: u64,
+    steps: Steps,
     film: FilmSampler,
     /// What the block has found, and the number of its samples.
     found: Vec<Excess>,
@@ -92,12 +88,16 @@ pub struct Redistribution<'a> {
 
 impl<'a> Redistribution<'a> {
     /// For the chains' share of `scene` under `division`.
-    pub fn new(scene: &'a Scene, division: Division, seed: u64) -> Self {
+    pub fn new(scene: &'a Scene, division: Division, settings: &Settings) -> Self {
         let film = &scene.film;
+        let technique = SmallStep::Redraw {
+            probability: TECHNIQUE,
+        };
         Self {
             scene,
             division,
-            seed,
+            seed: settings.seed,
+            steps: Steps::from(settings.small_step).with(Stream::Technique, 0..1, technique),
             film: FilmSampler::new(film.width, film.height, film.filter),
             found: Vec::new(),
             samples: 0,
@@ -173,7 +173,7 @@ impl<'a> Redistribution<'a> {
         let run = |(i, (&start, log)): (usize, (&usize, &mut SplatLog))| {
             log.clear();
             let rng = shared.generator(i as u64 + 1);
-            let point = LazyPoint::new(rng, steps());
+            let point = LazyPoint::new(rng, shared.steps.clone());
             shared.chain(&shared.found[start], point, mutations, weight, log)
         };
         let work = starts.par_iter().zip(logs.par_iter_mut()).enumerate();

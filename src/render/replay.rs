@@ -6,7 +6,7 @@ use super::sweep::pixel_sample;
 use super::{Origin, Settings};
 use crate::film::FilmSampler;
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
-use crate::markov::{Chain, SmallStep, Target};
+use crate::markov::{Chain, Target};
 use crate::math::seeds::{self, Purpose};
 use crate::math::{Coordinates, FreshCoordinates};
 use crate::path::Connection;
@@ -40,7 +40,7 @@ pub enum ReplayError {
 
 impl<'a> Replay<'a> {
     /// Makes the sample again that a render of `scene` with these settings made at `origin`. Of the
-    /// settings the integrator, the seed and, for a chain, the probability of a large step matter.
+    /// settings the integrator, the seed and, for a chain, its steps matter.
     ///
     /// # Errors
     /// If the integrator makes no such samples, the image has no such pixel, or the chain could not
@@ -70,7 +70,7 @@ impl<'a> Replay<'a> {
                     seeds::generator(settings.seed, Purpose::Bootstrap, start),
                     seeds::chain_generator(settings.seed, chain),
                     settings.large_step_probability,
-                    SmallStep::default(),
+                    settings.small_step,
                 );
                 let density = chain.current().density;
                 if density.is_nan() || density <= 0.0 {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::DivisionSettings;
 use crate::integrators::Sampler;
+use crate::markov::SmallStep;
 
 /// Pairs of a path sampler and a driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -58,6 +59,15 @@ impl Integrator {
         matches!(self, Self::Pssmlt)
     }
 
+    /// How its chains move when the user names no step.
+    pub fn default_small_step(self) -> SmallStep {
+        match self {
+            // Over many scales, so that there are some steps for features of any size.
+            Self::Mmlt => SmallStep::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
+            Self::Path | Self::Light | Self::Bdpt | Self::Pssmlt => SmallStep::default(),
+        }
+    }
+
     /// Samples (or mutations) per pixel when the user names no budget.
     pub fn default_samples_per_pixel(self) -> u64 {
         if self.is_metropolis() { 128 } else { 64 }
@@ -94,6 +104,8 @@ pub struct Settings {
     pub threads: Option<usize>,
     /// p_large: probability of a large step.
     pub large_step_probability: f32,
+    /// How coordinates move in a small step; of the multiplexed integrator all but the technique.
+    pub small_step: SmallStep,
     /// Number of Markov chains.
     pub chains: u64,
     /// Number of bootstrap samples; `None` to go on until b is known well enough.
@@ -113,6 +125,7 @@ impl Settings {
             seed: 0,
             threads: None,
             large_step_probability: 0.3,
+            small_step: integrator.default_small_step(),
             chains: 1024,
             bootstrap: None,
             division: DivisionSettings::default(),

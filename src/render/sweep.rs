@@ -221,3 +221,8 @@ impl<'a, R: Default + Send + Sync> Sweep<'a, R> {
 pub(super) fn pixels(scene: &Scene) -> u64 {
     u64::from(scene.film.width) * u64::from(scene.film.height)
 }
+
+/// Pixels in a row and in a column of the film.
+pub(super) fn size(scene: &Scene) -> [u32; 2] {
+    [scene.film.width, scene.film.height]
+}

@@ -62,6 +62,27 @@ proptest! {
         }
     }
 
+    /// Normal steps stay on the circle; a redraw leaves its coordinate or makes it uniform.
+    #[test]
+    fn other_steps_keep_to_the_circle(
+        value in coordinate(),
+        deviation in 1e-6f32..0.5,
+        probability in 0.0f32..1.0,
+        seed in any::<u64>(),
+    ) {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let gaussian = SmallStep::Gaussian { deviation };
+        let redraw = SmallStep::Redraw { probability };
+        for _ in 0..16 {
+            for step in [gaussian, redraw] {
+                let moved = step.apply(value, &mut rng);
+                prop_assert!((0.0..1.0).contains(&moved), "{step}: {moved}");
+            }
+        }
+        let never = SmallStep::Redraw { probability: 0.0 };
+        prop_assert_eq!(never.apply(value, &mut rng), value);
+    }
+
     /// Index i is chosen n w_i / sum(w) times, off by less than one, in order; darkness never.
     #[test]
     fn systematic_resampling_is_proportional(

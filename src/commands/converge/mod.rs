@@ -82,7 +82,8 @@ pub struct Args {
     )]
     reference_effort: u64,
 
-    /// Measure each value of a numeric option: large-step-probability, chains, bootstrap or threads
+    /// Measure each value of an option: large-step-probability, chains, bootstrap, threads, small-step,
+    /// threshold, direct (separate, joint) or importance-map (on, off)
     #[arg(long, value_name = "OPTION=V1,V2,...", value_parser = sweep::sweep)]
     sweep: Option<Sweep>,
 

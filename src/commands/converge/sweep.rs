@@ -1,10 +1,15 @@
 //! One option, several values.
 
+use std::fmt;
+
+use clap::ValueEnum;
+use metrolight::markov::SmallStep;
 use metrolight::render::{Integrator, Settings};
 
+use crate::commands::render::DirectName;
 use crate::commands::values;
 
-/// An option, with the values that it takes in turn. Such options are numbers, and change how a scene
+/// An option, with the values that it takes in turn. Such options change how a scene
 /// is rendered but not the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sweep {
@@ -12,6 +17,38 @@ pub enum Sweep {
     Chains(Vec<u64>),
     Bootstrap(Vec<u64>),
     Threads(Vec<usize>),
+    SmallStep(Vec<SmallStep>),
+    Threshold(Vec<f32>),
+    Direct(Vec<DirectName>),
+    ImportanceMap(Vec<Switch>),
+}
+
+/// Of an option that is there or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Switch {
+    On,
+    Off,
+}
+
+impl fmt::Display for Switch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::On => "on",
+            Self::Off => "off",
+        })
+    }
+}
+
+fn switch(text: &str) -> Result<Switch, String> {
+    match text {
+        "on" => Ok(Switch::On),
+        "off" => Ok(Switch::Off),
+        _ => Err("on or off is needed".into()),
+    }
+}
+
+fn direct(text: &str) -> Result<DirectName, String> {
+    DirectName::from_str(text, false).map_err(|_| "separate or joint is needed".into())
 }
 
 /// The value parser of `--sweep`.
@@ -22,10 +59,14 @@ pub fn sweep(text: &str) -> Result<Sweep, String> {
         "chains" => Sweep::Chains(all(list, values::chains)?),
         "bootstrap" => Sweep::Bootstrap(all(list, values::positive)?),
         "threads" => Sweep::Threads(all(list, values::threads)?),
+        "small-step" => Sweep::SmallStep(all(list, values::small_step)?),
+        "threshold" => Sweep::Threshold(all(list, values::threshold)?),
+        "direct" => Sweep::Direct(all(list, direct)?),
+        "importance-map" => Sweep::ImportanceMap(all(list, switch)?),
         _ => {
             return Err(
                 "an option and its values are needed: large-step-probability=0.1,0.3, or chains, \
-                 bootstrap or threads likewise"
+                 bootstrap, threads, small-step, threshold, direct or importance-map likewise"
                     .into(),
             );
         }
@@ -45,12 +86,25 @@ impl Sweep {
             Self::Chains(_) => "chains",
             Self::Bootstrap(_) => "bootstrap",
             Self::Threads(_) => "threads",
+            Self::SmallStep(_) => "small-step",
+            Self::Threshold(_) => "threshold",
+            Self::Direct(_) => "direct",
+            Self::ImportanceMap(_) => "importance-map",
         }
     }
 
     /// True if the option changes what the integrator does.
     pub fn means_something_to(&self, integrator: Integrator) -> bool {
-        matches!(self, Self::Threads(_)) || integrator.is_metropolis()
+        match self {
+            Self::Threads(_) => true,
+            Self::LargeStepProbability(_) | Self::Chains(_) | Self::Bootstrap(_) => {
+                integrator.is_metropolis()
+            }
+            Self::SmallStep(_) => integrator.is_metropolis() || integrator == Integrator::Mmlt,
+            Self::Threshold(_) | Self::Direct(_) | Self::ImportanceMap(_) => {
+                integrator == Integrator::Mmlt
+            }
+        }
     }
 
     /// `settings` with each of the values, and the value as text.
@@ -65,6 +119,18 @@ impl Sweep {
             }),
             Self::Threads(values) => with_each(settings, values, |settings, &n| {
                 settings.threads = Some(n);
+            }),
+            Self::SmallStep(values) => with_each(settings, values, |settings, &step| {
+                settings.small_step = step;
+            }),
+            Self::Threshold(values) => with_each(settings, values, |settings, &threshold| {
+                settings.division.threshold = Some(threshold);
+            }),
+            Self::Direct(values) => with_each(settings, values, |settings, &direct| {
+                settings.division.separate_direct = direct == DirectName::Separate;
+            }),
+            Self::ImportanceMap(values) => with_each(settings, values, |settings, &map| {
+                settings.division.importance = map == Switch::On;
             }),
         }
     }
@@ -99,6 +165,16 @@ mod tests {
                 .unwrap()
                 .means_something_to(Integrator::Bdpt)
         );
+        let steps = sweep("small-step=log:0.001:0.01,gaussian:0.02").unwrap();
+        assert!(steps.means_something_to(Integrator::Mmlt));
+        assert!(!steps.means_something_to(Integrator::Bdpt));
+        let settings = steps.apply(&Settings::new(Integrator::Mmlt));
+        assert_eq!(settings[1].0, "gaussian:0.02");
+        assert_eq!(settings[0].1.small_step, SmallStep::new(0.001, 0.01));
+        let direct = sweep("direct=separate,joint").unwrap();
+        let settings = direct.apply(&Settings::new(Integrator::Mmlt));
+        assert_eq!(settings[1].0, "joint");
+        assert!(!settings[1].1.division.separate_direct);
         for text in [
             "",
             "chains",
@@ -108,6 +184,11 @@ mod tests {
             "large-step-probability=2",
             "threads=0",
             "spp=4",
+            "small-step=log:1:2",
+            "small-step=gaussian",
+            "threshold=-1",
+            "direct=both",
+            "importance-map=maybe",
             "bootstrap=-1",
         ] {
             assert!(sweep(text).is_err(), "{text}");
