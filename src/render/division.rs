@@ -106,17 +106,18 @@ impl Division {
         division
     }
 
-    /// The share of the chains in a path of `edges` edges that brings `value` to `position`.
+    /// The share of plain sampling in a path of `edges` edges that brings `value` to `position`; the
+    /// chains have the rest.
     #[inline]
-    pub fn chain_share(&self, edges: usize, value: Rgb, position: [f32; 2]) -> f32 {
+    pub fn plain_share(&self, edges: usize, value: Rgb, position: [f32; 2]) -> f32 {
         if edges <= self.plain_edges {
-            return 0.0;
+            return 1.0;
         }
         let brightness = self.brightness(value, position);
         if brightness > self.threshold {
-            1.0 - self.threshold / brightness
+            self.threshold / brightness
         } else {
-            0.0
+            1.0
         }
     }
 
@@ -208,7 +209,7 @@ mod tests {
         let found = |i: u64| Found {
             edges: 3,
             splat: Splat {
-                position: [0.5, 0.5],
+                position: [i % 64, i / 64 % 64].map(|cell| (cell as f32 + 0.5) / 64.0),
                 value: Rgb::splat(brightness(i)),
             },
         };
@@ -232,11 +233,11 @@ mod tests {
         for brightness in [1e-3, 1.0, 30.0, 1e6f32] {
             let value = Rgb::splat(brightness);
             let position = [0.3, 0.7];
-            let share = division.chain_share(5, value, position);
-            let plain = division.brightness(value * (1.0 - share), position);
-            assert!(plain <= division.threshold * (1.0 + 1e-4), "{plain}");
-            assert!((0.0..1.0).contains(&share));
-            assert_eq!(division.chain_share(2, value, position), 0.0);
+            let share = division.plain_share(5, value, position);
+            let plain = division.brightness(value * share, position);
+            assert!(plain <= division.threshold * (1.0 + 1e-5), "{plain}");
+            assert!(share > 0.0 && share <= 1.0, "{share}");
+            assert_eq!(division.plain_share(2, value, position), 1.0);
         }
     }
 
@@ -248,8 +249,8 @@ mod tests {
             ..DivisionSettings::default()
         };
         let division = division(&pilot(1 << 12, |_| 2.0), settings);
-        let share = division.chain_share(1, Rgb::splat(200.0), [0.5, 0.5]);
-        assert!((share - 0.99).abs() < 1e-3, "{share}");
+        let share = division.plain_share(1, Rgb::splat(200.0), [0.5, 0.5]);
+        assert!((share - 0.01).abs() < 1e-3, "{share}");
     }
 
     /// Where all paths are alike chains gain nothing; where one path in a thousand has half of the light

@@ -84,8 +84,8 @@ impl Target for MultiplexedTarget<'_> {
         }
         out.film = connection.film.unwrap_or(film);
         let position = out.film.to_array();
-        let share = self.division.chain_share(self.edges, value, position);
-        out.camera = color::saturated(value * share * count as f32);
+        let plain = self.division.plain_share(self.edges, value, position);
+        out.camera = color::saturated(value * (1.0 - plain) * count as f32);
         f64::from(self.division.brightness(out.camera, position))
     }
 }

@@ -132,10 +132,11 @@ impl<'a> Redistribution<'a> {
             let value = connection.value * connection.weight;
             let position = connection.film.unwrap_or(film).to_array();
             let edges = technique.edges();
-            let share = self.division.chain_share(edges, value, position);
-            splats.add(connection.film, value * (1.0 - share));
-            if share > 0.0 && is_light(value) {
-                let density = f64::from(self.division.brightness(value * share, position));
+            let plain = self.division.plain_share(edges, value, position);
+            splats.add(connection.film, value * plain);
+            if plain < 1.0 && is_light(value) {
+                let excess_value = value * (1.0 - plain);
+                let density = f64::from(self.division.brightness(excess_value, position));
                 excess.push(Excess {
                     point: start.clone(),
                     technique,
