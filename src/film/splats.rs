@@ -88,6 +88,13 @@ impl SplatFilm {
         });
     }
 
+    /// Moves all that `other`, a film of the same size, has into this one.
+    pub fn take(&mut self, other: &mut Self) {
+        for (sum, taken) in self.sums.iter_mut().zip(&mut other.sums) {
+            add(sum, std::mem::take(taken));
+        }
+    }
+
     /// The sum at a pixel (index in rows from the top).
     #[inline]
     pub fn sum(&self, pixel: usize) -> [f64; 3] {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Settings;
 use super::seat::Seat;
-use crate::film::{Film, Image, SplatFilm};
+use crate::film::{Image, SplatFilm};
 use crate::math::color::to_pixel;
 use crate::statistics::{Moments, expected_relative_mse};
 
@@ -137,15 +137,14 @@ impl Passes {
         }
     }
 
-    /// Takes note of a pass that `film` has been through, after all before it. The pass is what the
-    /// film has more than before: rounding matters as little as in the film's own sums.
-    pub fn add(&mut self, film: &Film) {
+    /// Takes note of a pass, after all before it: `mean` gives the image so far, pixel by pixel. The pass
+    /// is what that has more than before: rounding matters as little as in the film's own sums.
+    pub fn add(&mut self, mean: impl Fn(usize) -> [f64; 3] + Sync) {
         self.count += 1;
         let n = self.count as f64;
-        let splat_scale = 1.0 / (n * self.pixels.len() as f64);
         let pixels = self.pixels.par_iter_mut().enumerate();
         pixels.for_each(|(i, pixel)| {
-            let mean = film.value(i, splat_scale);
+            let mean = mean(i);
             let mut given = 0.0;
             for (c, mean) in mean.into_iter().enumerate() {
                 let value = n * mean - pixel.sum[c];

@@ -18,6 +18,7 @@ use super::{
 };
 use crate::film::{Film, Image, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
+use crate::math::color::to_pixel;
 use crate::scene::{RayCounts, Scene};
 
 /// Renders by Monte Carlo, with chains beside it if the integrator is multiplexed.
@@ -107,7 +108,7 @@ impl Collector for Canvas<'_> {
         let logs: Vec<&SplatLog> = runs.iter().map(|(_, run)| &run.elsewhere).collect();
         self.film.apply(&logs);
         if let Some(chains) = &mut self.chains {
-            self.film.apply(&chains.run(&mut self.non_finite));
+            chains.run(&mut self.non_finite);
         }
     }
 
@@ -120,10 +121,14 @@ impl Collector for Canvas<'_> {
 
     /// Takes note of the pass, if the error is wanted, and perhaps looks at the error.
     fn end_pass(&mut self, done: u64, clock: &mut Clock) {
-        let Some(passes) = &mut self.passes else {
+        if let Some(chains) = &mut self.chains {
+            chains.end_pass();
+        }
+        let Some(mut passes) = self.passes.take() else {
             return;
         };
-        passes.add(&self.film);
+        passes.add(|pixel| self.value(pixel, done));
+        self.passes = Some(passes);
         if self.target.is_due(done) {
             let estimate = self.error(&self.image(done));
             clock.note(estimate.map_or(0.0, |estimate| self.target.look(done, &estimate)));
@@ -169,8 +174,24 @@ impl<'a> Canvas<'a> {
         self.passes.as_ref()?.estimate(image)
     }
 
+    /// A pixel of the image after `done` samples.
+    fn value(&self, pixel: usize, done: u64) -> [f64; 3] {
+        let mut value = self.film.value(pixel, 1.0 / done.max(1) as f64);
+        if let Some(chains) = &self.chains {
+            let carried = chains.value(pixel);
+            value = std::array::from_fn(|c| value[c] + carried[c]);
+        }
+        value
+    }
+
     fn image(&self, done: u64) -> Image {
-        self.film.develop(1.0 / done.max(1) as f64)
+        let [width, height] = size(self.scene).map(|side| side as usize);
+        let pixels = (0..width * height).map(|pixel| to_pixel(self.value(pixel, done)));
+        Image {
+            width,
+            height,
+            pixels: pixels.collect(),
+        }
     }
 
     fn finish(self, sweep: &Sweep<Run>, clock: &Clock, observer: &dyn Observer) -> Rendering {

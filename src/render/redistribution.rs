@@ -27,7 +27,7 @@ use super::division::Division;
 use super::multiplexed::MultiplexedTarget;
 use super::sweep::AtPixel;
 use super::{NonFinite, Settings};
-use crate::film::{FilmSampler, Splat, SplatLog};
+use crate::film::{FilmSampler, Splat, SplatFilm, SplatLog};
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::{
     Chain, ChainCounters, LazyPoint, Recording, Sample, SmallStep, Steps, systematic_resample,
@@ -74,10 +74,16 @@ pub struct Redistribution<'a> {
     division: Division,
     seed: u64,
     steps: Steps,
-    film: FilmSampler,
+    sampler: FilmSampler,
     /// What the block has found, and the number of its samples.
     found: Vec<Excess>,
     samples: u64,
+    /// What the chains have splatted: for all whole passes, and for the one that is going on.
+    whole: SplatFilm,
+    open: SplatFilm,
+    /// Plain samples of the passes of either.
+    whole_samples: u64,
+    open_samples: u64,
     /// Blocks redistributed.
     blocks: u64,
     logs: Vec<SplatLog>,
@@ -98,9 +104,13 @@ impl<'a> Redistribution<'a> {
             division,
             seed: settings.seed,
             steps: Steps::from(settings.small_step).with(Stream::Technique, 0..1, technique),
-            film: FilmSampler::new(film.width, film.height, film.filter),
+            sampler: FilmSampler::new(film.width, film.height, film.filter),
             found: Vec::new(),
             samples: 0,
+            whole: SplatFilm::new(film.width, film.height, film.filter),
+            open: SplatFilm::new(film.width, film.height, film.filter),
+            whole_samples: 0,
+            open_samples: 0,
             blocks: 0,
             logs: Vec::new(),
             rays: RayCounts::default(),
@@ -140,7 +150,7 @@ impl<'a> Redistribution<'a> {
                 excess.push(Excess {
                     point: start.clone(),
                     technique,
-                    density: density / self.film.density(film.to_array()),
+                    density: density / self.sampler.density(film.to_array()),
                 });
             }
         };
@@ -153,9 +163,8 @@ impl<'a> Redistribution<'a> {
         self.samples += samples;
     }
 
-    /// Lets chains carry on what the block has found; returns what they splat, to be divided by the
-    /// number of plain samples.
-    pub fn run(&mut self, non_finite: &mut NonFinite) -> Vec<&SplatLog> {
+    /// Lets chains carry on what the block has found.
+    pub fn run(&mut self, non_finite: &mut NonFinite) {
         self.found.sort_by_key(|excess| excess.technique.edges());
         let densities: Vec<f64> = self.found.iter().map(|excess| excess.density).collect();
         let total: f64 = densities.iter().sum();
@@ -185,11 +194,28 @@ impl<'a> Redistribution<'a> {
             self.rays += *rays;
             non_finite.extend(counters.non_finite, std::iter::empty());
         }
+        self.open.apply(&logs.iter().collect::<Vec<_>>());
         self.logs = logs;
         self.found.clear();
-        self.samples = 0;
+        self.open_samples += std::mem::take(&mut self.samples);
         self.blocks += 1;
-        self.logs.iter().collect()
+    }
+
+    /// Every pixel has been sampled once more.
+    pub fn end_pass(&mut self) {
+        self.whole.take(&mut self.open);
+        self.whole_samples += std::mem::take(&mut self.open_samples);
+    }
+
+    /// What the chains have brought to a pixel of the image. Chains of a pass that has not sampled all
+    /// pixels start in a part of the image only: unless there is no other, such a pass does not count.
+    pub fn value(&self, pixel: usize) -> [f64; 3] {
+        let (film, samples) = if self.whole_samples > 0 {
+            (&self.whole, self.whole_samples)
+        } else {
+            (&self.open, self.open_samples)
+        };
+        film.sum(pixel).map(|sum| sum / samples.max(1) as f64)
     }
 
     /// A generator of this block: 0 for the choice of starts, the others for its chains.

@@ -32,7 +32,7 @@ use super::{Outcome, interrupt, output, say, tell, values};
     allow_negative_numbers = true,
     after_help = "\
 Examples:
-  metrolight converge scenes/pool/scene.xml --integrators bdpt,pssmlt --time 60s -o pool-chart
+  metrolight converge scenes/pool/scene.xml --integrators bdpt,mmlt --time 60s -o pool-chart
   metrolight converge scene.xml --reference truth.exr --integrators path,bdpt --spp 256 -o chart
   metrolight converge scene.xml --integrators pssmlt --time 20s -o chart \\
       --sweep large-step-probability=0.05,0.1,0.3,0.6
@@ -68,7 +68,7 @@ pub struct Args {
     reference: Option<PathBuf>,
 
     /// Integrator that renders the reference
-    /// [default: pssmlt if it is among --integrators, else bdpt]
+    /// [default: mmlt or pssmlt if it is among --integrators, else bdpt]
     #[arg(long, value_name = "NAME", conflicts_with = "reference")]
     reference_integrator: Option<IntegratorName>,
 
@@ -236,10 +236,14 @@ impl Args {
     }
 
     fn reference_effort(&self) -> Effort {
-        let metropolis = |&name: &IntegratorName| Integrator::from(name).is_metropolis();
+        let measured = |integrator| {
+            let mut names = self.integrators.iter();
+            names.any(|&name| Integrator::from(name) == integrator)
+        };
         let integrator = match self.reference_integrator {
             Some(name) => name.into(),
-            None if self.integrators.iter().any(metropolis) => Integrator::Pssmlt,
+            None if measured(Integrator::Mmlt) => Integrator::Mmlt,
+            None if measured(Integrator::Pssmlt) => Integrator::Pssmlt,
             None => Integrator::Bdpt,
         };
         Effort {
