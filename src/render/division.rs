@@ -36,6 +36,10 @@ const CORRELATION: f64 = 50.0;
 /// c_m of (2): rays of a mutation, as they are on the scenes of the repository.
 const RAYS_PER_MUTATION: f64 = 4.5;
 
+/// Scores up to this many times the least are as good: (3) takes chains to explore all there is, which flatters
+/// them where bright paths lie in many places.
+const ABOUT_THE_LEAST: f64 = 1.3;
+
 /// Lengths up to this one are left to plain sampling where direct light is separate: emitters in view,
 /// and light that comes straight from them.
 const DIRECT: usize = 2;
@@ -186,14 +190,22 @@ impl Moments {
         if energy > 0.0 { energy } else { 1.0 }
     }
 
-    /// The threshold with the least score, among powers of the square root of 2. Never infinite: what
-    /// the pilot has not met may be brighter than all that it has.
+    /// The greatest threshold whose score is about the least, among powers of the square root of 2. Not
+    /// much more than the brightest path of the pilot: what it has not met may be brighter, and is then
+    /// for the chains.
     fn best(&self) -> f64 {
-        let thresholds = (0..=28).map(|i| (0.5 * f64::from(i)).exp2());
-        let scored = thresholds.map(|threshold| (threshold, self.score(threshold)));
-        scored
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(f64::INFINITY, |(threshold, _)| threshold)
+        let brightest = self.bright.iter().copied().fold(1.0, f64::max);
+        let steps = (2.0 * brightest.log2()).ceil() as i32;
+        let thresholds = (0..=steps).map(|i| (0.5 * f64::from(i)).exp2());
+        let scored: Vec<_> = thresholds.map(|t| (t, self.score(t))).collect();
+        let least = scored
+            .iter()
+            .map(|(_, score)| *score)
+            .fold(f64::INFINITY, f64::min);
+        let good = scored
+            .iter()
+            .filter(|(_, score)| *score <= ABOUT_THE_LEAST * least);
+        good.last().map_or(1.0, |(threshold, _)| *threshold)
     }
 }
 
