@@ -198,14 +198,10 @@ impl Moments {
         let steps = (2.0 * brightest.log2()).ceil() as i32;
         let thresholds = (0..=steps).map(|i| (0.5 * f64::from(i)).exp2());
         let scored: Vec<_> = thresholds.map(|t| (t, self.score(t))).collect();
-        let least = scored
-            .iter()
-            .map(|(_, score)| *score)
-            .fold(f64::INFINITY, f64::min);
-        let good = scored
-            .iter()
-            .filter(|(_, score)| *score <= ABOUT_THE_LEAST * least);
-        good.last().map_or(1.0, |(threshold, _)| *threshold)
+        let scores = scored.iter().map(|(_, score)| *score);
+        let enough = ABOUT_THE_LEAST * scores.fold(f64::INFINITY, f64::min);
+        let good = scored.iter().rev().find(|(_, score)| *score <= enough);
+        good.map_or(1.0, |(threshold, _)| *threshold)
     }
 }
 
