@@ -171,15 +171,21 @@ def chart(groups, path):
 
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     plt.rcParams["svg.hashsalt"] = "metrolight"
-    figure, axes = plt.subplots(2, len(groups), figsize=(3 * len(groups), 5), layout="constrained")
+    size = (3 * len(groups), 5)
+    figure, axes = plt.subplots(2, len(groups), figsize=size, sharey="row", layout="constrained")
     for column, (grows, rows) in enumerate(groups.items()):
         x = [int(row["value"]) for row in rows]
         for axis, key in zip(axes[:, column], ("microseconds_per_sample", "megabytes")):
             axis.loglog(x, [float(row[key]) for row in rows], marker="o", color="#1f6f8b")
             axis.grid(alpha=0.3)
-            axis.set_ylim(bottom=max(0.5, 0.5 * min(float(row[key]) for row in rows)))
+            axis.yaxis.set_major_formatter("{x:g}")
+            for part in (axis.xaxis, axis.yaxis):
+                part.set_minor_formatter(NullFormatter())
+            if x[-1] <= 100:
+                axis.set_xticks(x, x)
         axes[0, column].set_title(grows)
         axes[1, column].set_xlabel(grows)
     axes[0, 0].set_ylabel("µs per sample")
