@@ -181,13 +181,14 @@ def chart(groups, path):
         for axis, key in zip(axes[:, column], ("microseconds_per_sample", "megabytes")):
             axis.loglog(x, [float(row[key]) for row in rows], marker="o", color="#1f6f8b")
             axis.grid(alpha=0.3)
-            axis.yaxis.set_major_formatter("{x:g}")
             for part in (axis.xaxis, axis.yaxis):
                 part.set_minor_formatter(NullFormatter())
             if x[-1] <= 100:
                 axis.set_xticks(x, x)
         axes[0, column].set_title(grows)
         axes[1, column].set_xlabel(grows)
+    axes[0, 0].set_yticks([1, 2, 5], [1, 2, 5])
+    axes[1, 0].set_yticks([10, 100, 1000], [10, 100, 1000])
     axes[0, 0].set_ylabel("µs per sample")
     axes[1, 0].set_ylabel("MB")
     figure.savefig(path, metadata={"Date": None})
