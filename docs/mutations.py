@@ -90,6 +90,7 @@ def chart(found, path):
 
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
 
     plt.rcParams["svg.hashsalt"] = "metrolight"
     figure, axes = plt.subplots(1, len(found), figsize=(13, 4.6), sharey=True, layout="constrained")
@@ -100,6 +101,9 @@ def chart(found, path):
             ratios = [of[scene][1] / first[scene][1] for scene in SCENES]
             axis.semilogx(ratios, range(len(SCENES)), marker, label=value, fillstyle="none")
         axis.axvline(1.0, color="0.7", zorder=0)
+        axis.set_xlim(0.25, 2.0)
+        axis.set_xticks([0.25, 0.5, 1, 2], ["1/4", "1/2", "1", "2"])
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set_title(name)
         axis.set_xlabel("times the error of the first")
         axis.grid(axis="y", alpha=0.3)
