@@ -3,19 +3,16 @@
 //! Rays are those of light transport: from points on surfaces in cosine-distributed directions, and
 //! between pairs of such points. One iteration traces all of them; the throughput is rays per second.
 
+mod common;
+
 use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glam::{DMat4, DVec3, Vec2, Vec3A};
-use metrolight::film::Filter;
-use metrolight::math::Rgb;
+use glam::{DMat4, Vec2, Vec3A};
 use metrolight::math::seeds::{self, Purpose};
 use metrolight::math::warp::square_to_cosine_hemisphere;
-use metrolight::scene::{
-    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Ray, RayCounts,
-    Scene, SceneDescription, ShapeDescription, ShapeGeometry, SurfacePoint, Texture, TriangleMesh,
-};
+use metrolight::scene::{Ray, RayCounts, Scene, SurfacePoint, TriangleMesh};
 use rand::RngExt;
 
 const RAYS: usize = 1 << 14;
@@ -49,36 +46,10 @@ fn bumpy_sphere() -> Scene {
             mesh.triangles.push([a + 1, a + N + 1, a + N + 2]);
         }
     }
-    let description = SceneDescription {
-        camera: CameraDescription {
-            to_world: DMat4::from_translation(DVec3::new(0.0, 0.0, -4.0)),
-            fov_x: 40.0,
-            near_clip: 0.01,
-            far_clip: 1e4,
-            lens: None,
-        },
-        film: FilmSettings {
-            width: 128,
-            height: 128,
-            filter: Filter::Box,
-        },
-        depth: DepthLimits {
-            max_depth: Some(5),
-            rr_depth: 5,
-        },
-        textures: vec![Texture::Constant(Rgb::splat(0.5))],
-        materials: vec![Material::Diffuse { reflectance: 0 }],
-        shapes: vec![ShapeDescription {
-            name: "bumps".into(),
-            geometry: ShapeGeometry::Mesh(mesh),
-            to_world: DMat4::IDENTITY,
-            flip_normals: false,
-            material: 0,
-            emission: None,
-        }],
-        emitters: vec![EmitterDescription::Constant { radiance: Rgb::ONE }],
-    };
-    description.build().expect("a valid scene")
+    let shapes = vec![common::shape(mesh, DMat4::IDENTITY)];
+    common::description(-4.0, 40.0, shapes)
+        .build()
+        .expect("a valid scene")
 }
 
 /// Points that the camera sees, and points that are seen from those.

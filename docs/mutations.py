@@ -136,6 +136,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="into docs/mutations.md and docs/images/")
     args = parser.parse_args()
     if not args.measured:
+        if not pathlib.Path(args.metrolight).is_file():
+            parser.error(f"{args.metrolight} is not there: build it with `cargo build --release`, or name it with --metrolight")
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             work = lambda scene: measure(args.metrolight, scene, args.seconds, args.repeats, args.output)
             list(pool.map(work, SCENES))

@@ -5,6 +5,8 @@
 //! frame and texture coordinates; Embree with distance, barycentric coordinates and an unnormalised
 //! normal.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod embree;
 mod rays;
 mod scenes;

@@ -4,14 +4,11 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
-use metrolight::film::Filter;
-use metrolight::math::Rgb;
 use metrolight::math::seeds::{self, Purpose};
-use metrolight::scene::{
-    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Scene,
-    SceneDescription, ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
-};
+use metrolight::scene::{Scene, SceneDescription, ShapeGeometry, TriangleMesh};
 use rand::RngExt;
+
+use crate::common::{description, shape};
 
 /// A scene, and its triangles in scene units.
 pub struct Subject {
@@ -80,24 +77,13 @@ pub fn clutter(name: &str, n: u32) -> Subject {
         );
         shapes.push(shape(bumpy_ball(n), place));
     }
-    Subject::new(name, description(shapes))
+    Subject::new(name, description(-0.99, 70.0, shapes))
 }
 
 /// One closed mesh around the origin.
 pub fn ball(n: u32) -> Subject {
     let shapes = vec![shape(bumpy_ball(n), DMat4::IDENTITY)];
-    Subject::new("ball", description(shapes))
-}
-
-fn shape(mesh: TriangleMesh, to_world: DMat4) -> ShapeDescription {
-    ShapeDescription {
-        name: "mesh".into(),
-        geometry: ShapeGeometry::Mesh(mesh),
-        to_world,
-        flip_normals: false,
-        material: 0,
-        emission: None,
-    }
+    Subject::new("ball", description(-0.99, 70.0, shapes))
 }
 
 /// Closed to the bit: neighbours share their vertices, at the poles and along the seam as well.
@@ -132,30 +118,4 @@ fn bumpy_ball(n: u32) -> TriangleMesh {
         }
     }
     mesh
-}
-
-/// Seen from within the room.
-fn description(shapes: Vec<ShapeDescription>) -> SceneDescription {
-    SceneDescription {
-        camera: CameraDescription {
-            to_world: DMat4::from_translation(DVec3::new(0.0, 0.0, -0.99)),
-            fov_x: 70.0,
-            near_clip: 0.001,
-            far_clip: 1e4,
-            lens: None,
-        },
-        film: FilmSettings {
-            width: 128,
-            height: 128,
-            filter: Filter::Box,
-        },
-        depth: DepthLimits {
-            max_depth: Some(5),
-            rr_depth: 5,
-        },
-        textures: vec![Texture::Constant(Rgb::splat(0.5))],
-        materials: vec![Material::Diffuse { reflectance: 0 }],
-        shapes,
-        emitters: vec![EmitterDescription::Constant { radiance: Rgb::ONE }],
-    }
 }

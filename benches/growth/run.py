@@ -204,6 +204,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="put tables and chart into docs/performance.md")
     args = parser.parse_args()
     if not args.from_csv:
+        if not pathlib.Path(args.metrolight).is_file():
+            parser.error(f"{args.metrolight} is not there: build it with `cargo build --release`, or name it with --metrolight")
         measure(args.metrolight, args.largest, args.output)
     groups = rows_of(args.output)
     tables = markdown(groups)

@@ -239,14 +239,15 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         tell(opening(&opened));
     }
     let progress = Progress::new(args.quiet, stderr().is_terminal());
+    // Whatever a pilot may choose has the same sampler.
+    let lost = lost_light(&opened.scene, settings.integrator.sampler());
     if args.integrator.is_none() {
-        let choice = choose(&opened.scene, &settings, &progress).into_diagnostic()?;
+        let choice = choose(&opened.scene, &settings, &lost, &progress).into_diagnostic()?;
         settings.integrator = choice.integrator;
         if !args.quiet {
             tell(&choice);
         }
     }
-    let lost = lost_light(&opened.scene, settings.integrator.sampler());
     let lost: Vec<String> = lost.iter().map(ToString::to_string).collect();
     print_warnings(&lost);
     warnings.extend(lost);

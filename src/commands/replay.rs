@@ -136,8 +136,8 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
 
 /// A connection in a line: technique, pixel, value and weight.
 fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Connection) -> String {
-    let film = connection.film.unwrap_or(replay.film);
-    let contribution = connection.value * connection.weight;
+    let film = connection.position(replay.film);
+    let contribution = connection.contribution();
     let fault = if is_light(contribution) {
         ""
     } else {

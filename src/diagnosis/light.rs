@@ -124,11 +124,11 @@ impl Target for ObservedLight<'_> {
             &mut watched,
             workspace,
             |technique, connection| {
-                let value = connection.value * connection.weight;
+                let value = connection.contribution();
                 splats.add(connection.film, value);
                 let light = luminance(value);
                 if light > brightest.0 {
-                    brightest = (light, connection.film.unwrap_or(film), technique);
+                    brightest = (light, connection.position(film), technique);
                 }
             },
         );

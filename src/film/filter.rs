@@ -1,6 +1,7 @@
 //! Reconstruction filters.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+use std::ops::Range;
 
 use statrs::function::erf::erf;
 
@@ -31,6 +32,16 @@ impl Filter {
             Self::Tent { radius } => f64::from(radius),
             Self::Gaussian { stddev } => 4.0 * f64::from(stddev),
         }
+    }
+
+    /// The pixels along a side of `size` whose filters may reach `position`, in pixels.
+    #[inline]
+    pub fn reach(&self, position: f64, size: usize) -> Range<usize> {
+        let radius = self.radius();
+        // Conversion saturates: a negative bound becomes 0.
+        let begin = (position - radius - 0.5).ceil() as usize;
+        let end = (position + radius + 0.5).floor() as usize;
+        begin.min(size)..end.min(size)
     }
 
     /// The one-dimensional filter at the offset `x` in pixels; not normalised.

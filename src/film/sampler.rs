@@ -44,11 +44,8 @@ impl FilmSampler {
 
     fn side_density(&self, parts: &[[f64; 2]], position: f32) -> f64 {
         let position = f64::from(position) * parts.len() as f64;
-        let radius = self.filter.radius();
-        // Conversion saturates: a negative bound becomes 0.
-        let begin = (position - radius - 0.5).ceil() as usize;
-        let end = ((position + radius + 0.5).floor() as usize).min(parts.len());
-        let pixels = (begin..end).zip(&parts[begin.min(end)..end]);
+        let reached = self.filter.reach(position, parts.len());
+        let pixels = reached.clone().zip(&parts[reached]);
         pixels
             .map(|(j, [a, b])| self.filter.evaluate(position - (j as f64 + 0.5)) / (b - a))
             .sum()

@@ -162,16 +162,6 @@ impl Grid {
         }
     }
 
-    /// The pixels along a side of `size` whose filters may reach `position`, in pixels.
-    #[inline]
-    fn reach(&self, position: f64, size: usize) -> std::ops::Range<usize> {
-        let radius = self.filter.radius();
-        // Conversion saturates: a negative bound becomes 0.
-        let begin = (position - radius - 0.5).ceil() as usize;
-        let end = (position + radius + 0.5).floor() as usize;
-        begin.min(size)..end.min(size)
-    }
-
     /// Adds a splat to the part of a film in `sums`, which begins with row `first_row`. `scratch`
     /// is room for a row of weights.
     #[inline]
@@ -179,8 +169,8 @@ impl Grid {
         let width = self.columns.len();
         let x = f64::from(splat.position[0]) * width as f64;
         let y = f64::from(splat.position[1]) * self.rows.len() as f64;
-        let columns = self.reach(x, width);
-        let rows = self.reach(y, first_row + sums.len() / width);
+        let columns = self.filter.reach(x, width);
+        let rows = self.filter.reach(y, first_row + sums.len() / width);
 
         scratch.clear();
         scratch.extend(columns.clone().map(|j| self.weight(&self.columns, x, j)));
@@ -205,7 +195,9 @@ impl Grid {
     fn sort(&self, log: &SplatLog) -> BandOrder {
         let height = self.rows.len();
         let bands = |splat: &Splat| {
-            let rows = self.reach(f64::from(splat.position[1]) * height as f64, height);
+            let rows = self
+                .filter
+                .reach(f64::from(splat.position[1]) * height as f64, height);
             rows.start / self.band_rows..rows.end.div_ceil(self.band_rows)
         };
         // Counts, shifted by one band: their running sums are where the bands begin.

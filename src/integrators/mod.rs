@@ -134,7 +134,7 @@ impl Sampler {
         splats.film = self.film_position(point);
         let film = splats.film;
         self.connections(scene, film, point, workspace, |_, connection| {
-            splats.add(connection.film, connection.value * connection.weight);
+            splats.add(connection.film, connection.contribution());
         });
     }
 

@@ -53,15 +53,17 @@ pub fn connection<C: Coordinates>(
         rays,
     } = workspace;
     // The light subpath first: it ends early more often than the camera's, by leaving the scene.
+    let mut y = None;
     if s >= 2 {
         walk_light(scene, heuristic, s - 1, point, rays, light);
-        let y = light.vertices.get(s - 2)?;
-        if !y.is_connectible(scene) {
+        let last = light.vertices.get(s - 2)?;
+        if !last.is_connectible(scene) {
             return None;
         }
         if t == 1 {
-            return to_lens(scene, heuristic, y, s - 1, point, rays);
+            return to_lens(scene, heuristic, last, s - 1, point, rays);
         }
+        y = Some(last);
     }
     walk_camera(scene, heuristic, film, t - 1, point, rays, camera);
     let Some(z) = camera.vertices.get(t - 2) else {
@@ -73,19 +75,16 @@ pub fn connection<C: Coordinates>(
             None
         };
     };
-    match s {
-        0 => {
+    match y {
+        Some(y) if z.is_connectible(scene) => join(scene, heuristic, y, z, rays),
+        Some(_) => None,
+        None if s == 0 => {
             let previous = match t {
                 2 => camera.start,
                 _ => camera.vertices[t - 3].surface.position,
             };
             emitted(scene, heuristic, z, t - 1, previous)
         }
-        1 => to_light(scene, heuristic, z, t - 1, point, rays),
-        _ if z.is_connectible(scene) => {
-            let y = light.vertices.get(s - 2)?;
-            join(scene, heuristic, y, z, rays)
-        }
-        _ => None,
+        None => to_light(scene, heuristic, z, t - 1, point, rays),
     }
 }

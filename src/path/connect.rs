@@ -23,6 +23,20 @@ pub struct Connection {
     pub film: Option<Vec2>,
 }
 
+impl Connection {
+    /// What the path counts beside those of all other techniques.
+    #[inline]
+    pub fn contribution(&self) -> Rgb {
+        self.value * self.weight
+    }
+
+    /// Where on the film it counts, if its camera subpath began at `film`.
+    #[inline]
+    pub fn position(&self, film: Vec2) -> Vec2 {
+        self.film.unwrap_or(film)
+    }
+}
+
 #[inline]
 fn weight(light: f64, camera: f64) -> f32 {
     (1.0 / (1.0 + light + camera)) as f32

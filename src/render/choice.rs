@@ -7,7 +7,7 @@ use super::division::Division;
 use super::pilot::Pilot;
 use super::sweep::size;
 use super::{Integrator, Observer, Settings, in_pool};
-use crate::integrators::{Loss, LostLight, Sampler, lost_light};
+use crate::integrators::{Loss, LostLight};
 use crate::scene::Scene;
 
 /// Metropolis is chosen if it promises to be better by so much: plain sampling is simpler.
@@ -56,13 +56,15 @@ impl fmt::Display for Choice {
 }
 
 /// Lets a pilot choose between bidirectional path tracing and multiplexed Metropolis, by the error that
-/// each is expected to leave at equal time. Of a budget of time it takes a few hundredths.
+/// each is expected to leave at equal time; `lost` is the light that neither finds well. Of a budget of
+/// time it takes a few hundredths.
 ///
 /// # Errors
 /// If the threads cannot be started.
 pub fn choose(
     scene: &Scene,
     settings: &Settings,
+    lost: &[LostLight],
     observer: &dyn Observer,
 ) -> Result<Choice, rayon::ThreadPoolBuildError> {
     let start = Instant::now();
@@ -73,8 +75,7 @@ pub fn choose(
         let gain = Division::new(size(scene), &pilot, settings.division)
             .gain
             .powi(2);
-        let rare = |lost: &LostLight| lost.loss == Loss::Nearly;
-        let rare_light = lost_light(scene, Sampler::Bidirectional).iter().any(rare);
+        let rare_light = lost.iter().any(|lost| lost.loss == Loss::Nearly);
         Choice {
             integrator: if gain > WORTH_IT || rare_light {
                 Integrator::Mmlt

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::math::Rgb;
 
-    /// One splat in the middle of each cell of a 32 x 32 grid, dark to the left and bright to the right.
+    /// One splat in the middle of each cell of a 256 x 256 grid, dark to the left and bright to the right.
     fn two_halves() -> Vec<Splat> {
         let side = 256;
         let splat = |i: usize| {

@@ -78,11 +78,11 @@ impl Target for MultiplexedTarget<'_> {
         let Some(connection) = connection else {
             return 0.0;
         };
-        let value = connection.value * connection.weight;
+        let value = connection.contribution();
         if !color::is_light(value) {
             return f64::NAN;
         }
-        out.film = connection.film.unwrap_or(film);
+        out.film = connection.position(film);
         let position = out.film.to_array();
         let plain = self.division.plain_share(self.edges, value, position);
         out.camera = color::saturated(value * (1.0 - plain) * count as f32);

@@ -71,8 +71,8 @@ fn sample(scene: &Scene, seed: u64, samples: Range<u64>) -> (Vec<Found>, RayCoun
         let mut point = FreshCoordinates::new(sample_generator(seed, sample));
         let film = sampler.film_position(&mut point);
         let visit = |technique: Technique, connection: Connection| {
-            let value = connection.value * connection.weight;
-            let position = connection.film.unwrap_or(film).to_array();
+            let value = connection.contribution();
+            let position = connection.position(film).to_array();
             if color::is_light(value) && value.max_element() > 0.0 {
                 let edges = technique.edges();
                 let splat = Splat { position, value };

@@ -139,8 +139,8 @@ impl<'a> Redistribution<'a> {
         let film = sampler.film_position(point);
         splats.film = film;
         let visit = |technique: Technique, connection: Connection| {
-            let value = connection.value * connection.weight;
-            let position = connection.film.unwrap_or(film).to_array();
+            let value = connection.contribution();
+            let position = connection.position(film).to_array();
             let edges = technique.edges();
             let plain = self.division.plain_share(edges, value, position);
             splats.add(connection.film, value * plain);

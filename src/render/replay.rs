@@ -121,7 +121,7 @@ impl Target for Replay<'_> {
         out.clear();
         out.film = self.film;
         for (_, connection) in &self.connections {
-            out.add(connection.film, connection.value * connection.weight);
+            out.add(connection.film, connection.contribution());
         }
         out.luminance()
     }

@@ -161,7 +161,7 @@ impl Run {
     /// Takes note of what technique number `place` gave to the sample of `pixel`.
     #[inline]
     fn note(&mut self, pixel: u64, place: usize, connection: &Connection) {
-        let both = [connection.value, connection.value * connection.weight];
+        let both = [connection.value, connection.contribution()];
         if !both.iter().all(|&value| is_light(value)) {
             self.non_finite.push(pixel);
             return;

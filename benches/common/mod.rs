@@ -1,0 +1,47 @@
+//! Scenes that are nothing but shapes: what rays are timed on.
+
+use glam::{DMat4, DVec3};
+use metrolight::film::Filter;
+use metrolight::math::Rgb;
+use metrolight::scene::{
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, SceneDescription,
+    ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
+};
+
+/// Grey shapes under a white sky, seen with this field of view (degrees) from a point of the z axis.
+pub fn description(z: f64, fov_x: f64, shapes: Vec<ShapeDescription>) -> SceneDescription {
+    SceneDescription {
+        camera: CameraDescription {
+            to_world: DMat4::from_translation(DVec3::new(0.0, 0.0, z)),
+            fov_x,
+            near_clip: 0.001,
+            far_clip: 1e4,
+            lens: None,
+        },
+        film: FilmSettings {
+            width: 128,
+            height: 128,
+            filter: Filter::Box,
+        },
+        depth: DepthLimits {
+            max_depth: Some(5),
+            rr_depth: 5,
+        },
+        textures: vec![Texture::Constant(Rgb::splat(0.5))],
+        materials: vec![Material::Diffuse { reflectance: 0 }],
+        shapes,
+        emitters: vec![EmitterDescription::Constant { radiance: Rgb::ONE }],
+    }
+}
+
+/// A mesh of that material.
+pub fn shape(mesh: TriangleMesh, to_world: DMat4) -> ShapeDescription {
+    ShapeDescription {
+        name: "mesh".into(),
+        geometry: ShapeGeometry::Mesh(mesh),
+        to_world,
+        flip_normals: false,
+        material: 0,
+        emission: None,
+    }
+}
