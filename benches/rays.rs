@@ -10,8 +10,8 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DMat4, Vec2, Vec3A};
-use metrolight::math::seeds::{self, Purpose};
-use metrolight::math::warp::square_to_cosine_hemisphere;
+use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::sampling::warp::square_to_cosine_hemisphere;
 use metrolight::scene::{Ray, RayCounts, Scene, SurfacePoint, TriangleMesh};
 use rand::RngExt;
 

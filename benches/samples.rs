@@ -8,10 +8,11 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::{Vec2, Vec3A};
 use metrolight::integrators::{Sampler, Splats, Workspace};
 use metrolight::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
-use metrolight::math::seeds::{self, Purpose};
-use metrolight::math::{FreshCoordinates, Rgb};
+use metrolight::math::Rgb;
 use metrolight::render::LightTarget;
-use metrolight::scene::material::Distribution;
+use metrolight::sampling::FreshCoordinates;
+use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::scene::bsdf::Distribution;
 use metrolight::scene::{Material, Scene, Texture, TransportMode};
 
 fn load(name: &str) -> Scene {

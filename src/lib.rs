@@ -2,12 +2,14 @@
 //!
 //! Every method here is a map from a point of the unit hypercube to splats on the film (a path
 //! sampler, [`integrators`]) and a driver that decides how the point moves ([`render`]): at random,
-//! or as the state of a Markov chain ([`markov`]). Rooms use only what stands below them:
+//! or as the state of a Markov chain ([`markov`]). Modules use only what stands below them:
 //!
-//! `commands` > [`convergence`], [`diagnosis`] > [`render`] > [`integrators`], [`markov`] > [`path`] > [`mitsuba`] > [`scene`] >
-//! [`film`], [`plot`] > [`statistics`] > [`math`].
+//! `commands` > [`convergence`], [`diagnosis`] > [`render`] > [`analysis`], [`integrators`], [`markov`] >
+//! [`technique`] > [`path`] > [`mitsuba`] > [`scene`] > [`sampling`], [`metrics`] > [`film`] >
+//! [`plot`], [`statistics`], [`math`].
 #![deny(missing_docs)]
 
+pub mod analysis;
 pub mod convergence;
 pub mod diagnosis;
 mod fault;
@@ -15,9 +17,12 @@ pub mod film;
 pub mod integrators;
 pub mod markov;
 pub mod math;
+pub mod metrics;
 pub mod mitsuba;
 pub mod path;
 pub mod plot;
 pub mod render;
+pub mod sampling;
 pub mod scene;
 pub mod statistics;
+pub mod technique;

@@ -11,9 +11,9 @@ use common::HashedPoint;
 use common::tiles::tile_moments;
 use glam::Vec3A;
 use metrolight::integrators::{Workspace, bdpt};
-use metrolight::math::{Coordinates, Stream};
 use metrolight::path::{Heuristic, Vertex};
 use metrolight::render::{Budget, DivisionSettings, Integrator, Settings};
+use metrolight::sampling::{Coordinates, Stream};
 use metrolight::scene::{Scene, TransportMode};
 use metrolight::statistics::{Moments, holm, welch};
 

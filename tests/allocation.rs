@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use metrolight::integrators::{Sampler, Splats, Workspace};
 use metrolight::markov::{Chain, SmallStep};
-use metrolight::math::FreshCoordinates;
-use metrolight::math::seeds::{self, Purpose};
 use metrolight::render::LightTarget;
+use metrolight::sampling::FreshCoordinates;
+use metrolight::sampling::seeds::{self, Purpose};
 
 /// The system's allocator, counting.
 struct Counting;

@@ -8,8 +8,8 @@ use std::sync::Mutex;
 
 use common::workplace::Workplace;
 use metrolight::film::Image;
+use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Integrator, Moment, Observer, Settings, Unobserved, render};
-use metrolight::statistics::relative_mse;
 use predicates::str::{contains, is_empty};
 
 /// Rows of a table, by column.

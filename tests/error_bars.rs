@@ -7,9 +7,10 @@
 mod common;
 
 use common::figures::{Accuracy, Stability, record};
+use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, ErrorEstimate, Integrator, Settings, Unobserved, render};
 use metrolight::scene::Scene;
-use metrolight::statistics::{Moments, relative_mse};
+use metrolight::statistics::Moments;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 const SEEDS: u64 = 40;

@@ -7,8 +7,8 @@
 use metrolight::markov::{
     Bootstrap, BootstrapLimits, Chain, SmallStep, Target, systematic_resample,
 };
-use metrolight::math::seeds::{self, Purpose};
-use metrolight::math::{Coordinates, FreshCoordinates, Stream};
+use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::sampling::{Coordinates, FreshCoordinates, Stream};
 use metrolight::statistics::{Moments, chi_square, normal_two_sided};
 use rand::RngExt;
 

@@ -12,9 +12,10 @@ use std::collections::BTreeMap;
 use common::HashedPoint;
 use glam::{Vec2, Vec3A};
 use metrolight::integrators::{Technique, Workspace, bdpt};
-use metrolight::math::{Coordinates, Stream};
-use metrolight::path::{Connection, Escape, Heuristic, Vertex, dimensions};
+use metrolight::path::{Escape, Heuristic, Vertex, dimensions};
+use metrolight::sampling::{Coordinates, Stream};
 use metrolight::scene::{EmissionToward, Scene, SurfacePoint, TransportMode};
+use metrolight::technique::Connection;
 use proptest::prelude::*;
 use random::random_scene;
 

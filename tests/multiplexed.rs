@@ -8,9 +8,10 @@ use std::collections::HashMap;
 use common::HashedPoint;
 use glam::Vec2;
 use metrolight::integrators::{Technique, Workspace, bdpt, multiplexed};
-use metrolight::math::{Coordinates, Stream};
-use metrolight::path::{Connection, Heuristic};
+use metrolight::path::Heuristic;
+use metrolight::sampling::{Coordinates, Stream};
 use metrolight::scene::Scene;
+use metrolight::technique::Connection;
 
 /// What a connection gives: film position, value and weight, to the bit.
 type Bits = (Option<[u32; 2]>, [u32; 3], u32);

@@ -30,8 +30,13 @@ pub fn description(z: f64, fov_x: f64, shapes: Vec<ShapeDescription>) -> SceneDe
         textures: vec![Texture::Constant(Rgb::splat(0.5))],
         materials: vec![Material::Diffuse { reflectance: 0 }],
         shapes,
-        emitters: vec![EmitterDescription::Constant { radiance: Rgb::ONE }],
+        emitters: vec![white_sky()],
     }
+}
+
+/// The same radiance from everywhere.
+pub fn white_sky() -> EmitterDescription {
+    EmitterDescription::Constant { radiance: Rgb::ONE }
 }
 
 /// A mesh of that material.

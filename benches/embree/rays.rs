@@ -3,8 +3,9 @@
 use std::hint::black_box;
 
 use glam::{Vec2, Vec3A};
-use metrolight::math::seeds::{self, Purpose};
-use metrolight::math::{Frame, warp::square_to_cosine_hemisphere};
+use metrolight::math::Frame;
+use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::sampling::warp::square_to_cosine_hemisphere;
 use metrolight::scene::{Ray, RayCounts, SCENE_RADIUS, Scene, SurfacePoint};
 use rand::RngExt;
 

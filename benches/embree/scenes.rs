@@ -4,11 +4,11 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
-use metrolight::math::seeds::{self, Purpose};
+use metrolight::sampling::seeds::{self, Purpose};
 use metrolight::scene::{Scene, SceneDescription, ShapeGeometry, TriangleMesh};
 use rand::RngExt;
 
-use crate::common::{description, shape};
+use crate::common::{description, shape, white_sky};
 
 /// A scene, and its triangles in scene units.
 pub struct Subject {
@@ -57,7 +57,7 @@ pub fn of_repository(name: &str) -> Subject {
     description
         .shapes
         .retain(|shape| matches!(shape.geometry, ShapeGeometry::Mesh(_)));
-    description.emitters = vec![EmitterDescription::Constant { radiance: Rgb::ONE }];
+    description.emitters = vec![white_sky()];
     Subject::new(name, description)
 }
 

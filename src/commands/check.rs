@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use metrolight::analysis::lost_light;
 use metrolight::film::Filter;
-use metrolight::integrators::{Sampler, lost_light};
+use metrolight::integrators::Sampler;
 use metrolight::scene::{Material, Scene};
 
 use super::figures::quantity;

@@ -3,9 +3,10 @@
 use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{AnnotatedImage, Image, check_writable, flip};
+use metrolight::film::{AnnotatedImage, Image, check_writable};
+use metrolight::metrics::flip;
+use metrolight::metrics::{BiasTest, Estimate, image_errors, test_bias};
 use metrolight::render::{ErrorEstimate, Observer};
-use metrolight::statistics::{BiasTest, Estimate, image_errors, test_bias};
 use miette::{IntoDiagnostic, bail};
 
 use super::comparison::{Comparison, FILES};

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use metrolight::film::{Flip, Image};
+use metrolight::film::Image;
+use metrolight::metrics::Flip;
+use metrolight::metrics::{BiasTest, BiasVerdict, ImageError, bias, relative_square_errors};
 use metrolight::plot::{Picture, PlotError, draw_with_scale, rasterize};
-use metrolight::statistics::{BiasTest, BiasVerdict, ImageError, bias, relative_square_errors};
 use miette::IntoDiagnostic;
 use serde_json::json;
 

@@ -4,7 +4,7 @@ use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use metrolight::integrators::lost_light;
+use metrolight::analysis::lost_light;
 use metrolight::markov::SmallStep;
 use metrolight::render::{
     Budget, DivisionSettings, Integrator, Settings, Statistics, choose, render,

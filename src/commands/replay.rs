@@ -4,9 +4,10 @@ use glam::DVec3;
 use metrolight::integrators::Technique;
 use metrolight::markov::SmallStep;
 use metrolight::math::color::is_light;
-use metrolight::path::{Connection, Vertex};
+use metrolight::path::Vertex;
 use metrolight::render::{Origin, Replay, Settings};
 use metrolight::scene::Scene;
+use metrolight::technique::Connection;
 use miette::bail;
 
 use super::render::{IntegratorName, print_warnings};

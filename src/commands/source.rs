@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use metrolight::integrators::trapped_light;
+use metrolight::analysis::trapped_light;
 use metrolight::mitsuba::{self, Overrides};
 use metrolight::scene::Scene;
 use miette::IntoDiagnostic;

@@ -3,8 +3,9 @@
 use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
+use metrolight::analysis::lost_light;
 use metrolight::film::{Image, check_writable, srgb_bytes, write_exr};
-use metrolight::integrators::{Sampler, Technique, lost_light};
+use metrolight::integrators::{Sampler, Technique};
 use metrolight::math::{Rgb, luminance};
 use metrolight::plot::{Cell, Picture, Row, draw_contact_sheet, rasterize};
 use metrolight::render::strategies::check;

@@ -1,7 +1,7 @@
 //! From measurements to curves: means over repeats, slopes, and who is how much faster.
 
 use super::Measurement;
-use crate::statistics::ImageError;
+use crate::metrics::ImageError;
 
 /// What an error is paid with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,8 +175,8 @@ impl CurvePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::image_errors;
     use crate::render::Moment;
-    use crate::statistics::image_errors;
 
     /// relMSE against an image of ones is d^2 / 1.01 for a deviation of d.
     fn measurement(variant: usize, repeat: u64, index: usize, seconds: f64, d: f32) -> Measurement {

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use super::recorder::{Measured, Recorder, Schedule};
 use crate::film::Image;
+use crate::metrics::{ImageError, image_errors};
 use crate::render::{Moment, Observer, Settings, render};
 use crate::scene::Scene;
-use crate::statistics::{ImageError, image_errors};
 
 /// A way to render the scene.
 #[derive(Clone, Debug)]

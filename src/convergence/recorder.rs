@@ -3,8 +3,8 @@
 use std::sync::Mutex;
 
 use crate::film::Image;
+use crate::metrics::{ImageError, image_errors};
 use crate::render::{Budget, Moment, Observer};
-use crate::statistics::{ImageError, image_errors};
 
 /// Measured moments are a factor of sqrt(2) apart: two of them to an octave.
 const PER_OCTAVE: f64 = 2.0;

@@ -7,8 +7,8 @@ use super::observation::{Features, Subject};
 use super::starts::{self, Starts};
 use super::{DiagnoseError, Effort, begin, invariance, part, reversibility};
 use crate::markov::{Bootstrap, Weighing};
-use crate::math::seeds::{self, Purpose};
 use crate::render::Observer;
+use crate::sampling::seeds::{self, Purpose};
 
 /// Chains that started in equilibrium, and what the tests say.
 pub(super) struct Equilibrium {

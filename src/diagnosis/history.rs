@@ -10,8 +10,8 @@ use super::observation::{Features, Observation, Subject, TILES};
 use super::starts::{Start, Starts};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Chain, ChainCounters, Sample, Weighing};
-use crate::math::seeds;
 use crate::render::Observer;
+use crate::sampling::seeds;
 
 /// Steps after which the chains are looked at.
 pub const LOOKS: [u64; 4] = [1, 8, 64, 512];

@@ -6,9 +6,10 @@ use super::observation::{
 use crate::film::{Filter, Image};
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::Target;
-use crate::math::{Coordinates, Rgb, Stream, luminance};
+use crate::math::{Rgb, luminance};
 use crate::path::dimensions;
 use crate::render::{Budget, Integrator, Settings, Unobserved, render};
+use crate::sampling::{Coordinates, Stream};
 use crate::scene::Scene;
 
 /// The path sampler of every Metropolis integrator.

@@ -23,8 +23,8 @@ mod tests;
 use serde::Serialize;
 
 use crate::markov::BootstrapLimits;
-use crate::math::seeds;
 use crate::render::Observer;
+use crate::sampling::seeds;
 
 use self::equilibrium::{Equilibrium, equilibrium};
 pub use check::{Check, Family};

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::history::History;
 use super::observation::{Features, Quantity, Subject, TILES};
 use crate::markov::{Bootstrap, Chain, ChainCounters};
-use crate::math::seeds;
+use crate::sampling::seeds;
 use crate::statistics::{
     autocorrelation, bulk_ess, geweke_p_value, heidelberger_welch,
     integrated_autocorrelation_time_of_chains, nested_r_hat, r_hat, tail_ess,

@@ -11,7 +11,7 @@ use super::observation::{Features, Observation, Quantity, Subject, TILES};
 use super::starts::{Start, Starts};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Chain, Target};
-use crate::math::seeds::{self, Purpose};
+use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::{bowker, rank_among, rank_uniformity};
 
 /// Cells of equal probability that log I is sorted into.

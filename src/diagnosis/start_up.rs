@@ -10,8 +10,8 @@ use serde::Serialize;
 use super::observation::{Features, Observation, Subject};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Chain, Target, systematic_resample};
-use crate::math::FreshCoordinates;
-use crate::math::seeds::{self, Purpose};
+use crate::sampling::FreshCoordinates;
+use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::Moments;
 
 /// Sizes of bootstraps, for one chain each.

@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use super::observation::{Features, Observation, Subject};
 use crate::markov::bootstrap::sample_generator;
 use crate::markov::{Bootstrap, Target};
-use crate::math::FreshCoordinates;
-use crate::math::seeds::{self, Purpose};
 use crate::render::Observer;
+use crate::sampling::FreshCoordinates;
+use crate::sampling::seeds::{self, Purpose};
 
 /// At most this share of the starts may share their place with another one, as far as the bootstrap
 /// can tell.

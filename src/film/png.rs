@@ -36,7 +36,7 @@ pub fn srgb_bytes(image: &Image, exposure: f64) -> Vec<u8> {
 
 /// The transfer function of sRGB (IEC 61966-2-1, section 5.2), to the nearest of 256 steps; NaN
 /// becomes black.
-pub(super) fn encode_srgb(linear: f32) -> u8 {
+pub(crate) fn encode_srgb(linear: f32) -> u8 {
     let encoded = if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

@@ -4,11 +4,10 @@
 use glam::Vec2;
 
 use super::{Workspace, max_edges};
-use crate::math::Coordinates;
-use crate::path::{
-    Connection, Heuristic, emitted, escaped, join, to_lens, to_light, walk_camera, walk_light,
-};
+use crate::path::{Heuristic, walk_camera, walk_light};
+use crate::sampling::Coordinates;
 use crate::scene::Scene;
+use crate::technique::{Connection, emitted, escaped, join, to_lens, to_light};
 
 /// Numbers of vertices that each subpath gives to a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -4,10 +4,12 @@
 use glam::Vec2;
 
 use super::{Technique, Workspace, max_edges};
-use crate::math::{Coordinates, Rgb, Stream};
-use crate::path::connect::lens_point;
-use crate::path::{Connection, Heuristic, dimensions, to_lens, walk_light};
+use crate::math::Rgb;
+use crate::path::{Heuristic, dimensions, walk_light};
+use crate::sampling::{Coordinates, Stream};
 use crate::scene::{RayCounts, Scene};
+use crate::technique::connect::lens_point;
+use crate::technique::{Connection, to_lens};
 
 /// Samples one light subpath and hands every connection that carries light to `visit`.
 #[inline]

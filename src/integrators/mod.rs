@@ -3,22 +3,19 @@
 
 pub mod bdpt;
 pub mod light;
-pub mod lost_light;
 pub mod multiplexed;
 pub mod path;
-mod probe;
-pub mod trapped_light;
 
 use glam::Vec2;
 
 use crate::film::Splat;
-use crate::math::{Coordinates, Rgb, Stream, color};
-use crate::path::{Connection, Escape, Heuristic, Subpath, Vertex, dimensions};
+use crate::math::{Rgb, color};
+use crate::path::{Escape, Heuristic, Subpath, Vertex, dimensions};
+use crate::sampling::{Coordinates, Stream};
 use crate::scene::{RayCounts, Scene};
+use crate::technique::Connection;
 
 pub use bdpt::Technique;
-pub use lost_light::{Loss, LostLight, lost_light};
-pub use trapped_light::{TrappedLight, trapped_light};
 
 /// The path samplers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

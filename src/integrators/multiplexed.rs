@@ -8,11 +8,10 @@
 use glam::Vec2;
 
 use super::{Technique, Workspace};
-use crate::math::Coordinates;
-use crate::path::{
-    Connection, Heuristic, emitted, escaped, join, to_lens, to_light, walk_camera, walk_light,
-};
+use crate::path::{Heuristic, walk_camera, walk_light};
+use crate::sampling::Coordinates;
 use crate::scene::Scene;
+use crate::technique::{Connection, emitted, escaped, join, to_lens, to_light};
 
 impl Technique {
     /// The techniques of paths with `edges` >= 1 edges, in the order of s. Paths of one edge, emitters

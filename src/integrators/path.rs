@@ -5,9 +5,10 @@
 use glam::Vec2;
 
 use super::{Technique, Workspace, max_edges};
-use crate::math::Coordinates;
-use crate::path::{Carried, Connection, Heuristic, connect, walk_camera};
+use crate::path::{Carried, Heuristic, walk_camera};
+use crate::sampling::Coordinates;
 use crate::scene::Scene;
+use crate::technique::{Connection, connect};
 
 /// Samples one camera subpath and hands every connection that carries light to `visit`.
 #[inline]

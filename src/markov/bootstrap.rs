@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::Target;
 use crate::fault::{Fault, planted};
-use crate::math::{FreshCoordinates, seeds};
+use crate::sampling::{FreshCoordinates, seeds};
 use crate::statistics::Moments;
 
 /// Samples evaluated between two looks at the error of b.

@@ -14,7 +14,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{LazyPoint, Steps, Target};
 use crate::fault::{Fault, planted};
-use crate::math::{Coordinates, FreshCoordinates, Stream};
+use crate::sampling::{Coordinates, FreshCoordinates, Stream};
 use crate::statistics::Moments;
 
 /// How often a sample counts.

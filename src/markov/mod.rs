@@ -16,7 +16,7 @@ pub use mutation::{SmallStep, Steps};
 pub use point::LazyPoint;
 pub use weighing::Weighing;
 
-use crate::math::Coordinates;
+use crate::sampling::Coordinates;
 
 /// A target on the hypercube.
 pub trait Target {

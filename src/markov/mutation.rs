@@ -6,7 +6,7 @@ use std::ops::Range;
 use rand::{Rng, RngExt};
 
 use crate::fault::{Fault, planted};
-use crate::math::Stream;
+use crate::sampling::Stream;
 
 /// A symmetric step on the circle [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{SmallStep, Steps};
 use crate::fault::{Fault, planted};
-use crate::math::{Coordinates, Stream};
+use crate::sampling::{Coordinates, Stream};
 
 /// Room for this many coordinates a stream is made at once; it grows to what the longest path needs.
 const CAPACITY: usize = 32;
@@ -178,7 +178,7 @@ impl Coordinates for LazyPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::seeds;
+    use crate::sampling::seeds;
 
     fn point(seed: u64) -> LazyPoint {
         let rng = seeds::generator(seed, seeds::Purpose::Chains, 0);

@@ -8,9 +8,9 @@ use super::scene::Builder;
 use super::texture::reflectance;
 use crate::math::Rgb;
 use crate::scene::Material;
-use crate::scene::material::Distribution;
-use crate::scene::material::ior::{ior, ior_names};
-use crate::scene::material::metals::{metal, metal_names};
+use crate::scene::bsdf::Distribution;
+use crate::scene::bsdf::ior::{ior, ior_names};
+use crate::scene::bsdf::metals::{metal, metal_names};
 
 const KNOWN: [&str; 8] = [
     "conductor",

@@ -5,15 +5,13 @@
 //! takes s vertices y_0 ... y_{s-1} from a light subpath and t vertices z_0 ... z_{t-1} from a camera
 //! subpath, s + t = k + 1. Here s >= 0 and t >= 1: no technique lets light hit the lens.
 
-pub mod connect;
 pub mod dimensions;
 pub mod endpoint;
 pub mod mis;
 pub mod subpath;
 pub mod vertex;
 
-pub use connect::{Connection, emitted, escaped, join, to_lens, to_light};
 pub use endpoint::Escape;
 pub use mis::{Carried, Heuristic};
 pub use subpath::{Subpath, walk_camera, walk_light};
-pub use vertex::Vertex;
+pub use vertex::{Bounce, Vertex};

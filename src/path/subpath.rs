@@ -7,7 +7,8 @@ use super::endpoint::Escape;
 use super::mis::{Carried, Heuristic};
 use super::vertex::Vertex;
 use crate::fault::{Fault, planted};
-use crate::math::{Coordinates, Rgb, Stream};
+use crate::math::Rgb;
+use crate::sampling::{Coordinates, Stream};
 use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
 
 /// Russian roulette, once it plays, lets no subpath survive its i-th vertex with a greater probability

@@ -7,7 +7,7 @@ use super::division::Division;
 use super::pilot::Pilot;
 use super::sweep::size;
 use super::{Integrator, Observer, Settings, in_pool};
-use crate::integrators::{Loss, LostLight};
+use crate::analysis::{Loss, LostLight};
 use crate::scene::Scene;
 
 /// Metropolis is chosen if it promises to be better by so much: plain sampling is simpler.

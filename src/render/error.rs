@@ -9,14 +9,15 @@ use super::Settings;
 use super::seat::Seat;
 use crate::film::{Image, SplatFilm};
 use crate::math::color::to_pixel;
-use crate::statistics::{Moments, expected_relative_mse};
+use crate::metrics::expected_relative_mse;
+use crate::statistics::Moments;
 
 /// What the samples themselves say about the error of the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// Standard error of every pixel and channel, in the unit of the image.
     pub standard_errors: Vec<[f32; 3]>,
-    /// Expected [`crate::statistics::relative_mse`] of the image.
+    /// Expected [`crate::metrics::relative_mse`] of the image.
     pub relative_mse: f64,
     /// Independent parts of the samples whose spread was measured: passes over all pixels, or groups
     /// of chains. Each standard error has one degree of freedom less.

@@ -26,7 +26,7 @@ use crate::film::{Image, SplatFilm, SplatLog};
 use crate::integrators::Splats;
 use crate::markov::{Bootstrap, BootstrapLimits, Chain, Weighing};
 use crate::math::color::to_pixel;
-use crate::math::seeds;
+use crate::sampling::seeds;
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
 

@@ -5,8 +5,9 @@ use glam::Vec2;
 use super::division::Division;
 use crate::integrators::{Sampler, Splats, Technique, Workspace, multiplexed};
 use crate::markov::Target;
-use crate::math::{Coordinates, Stream, color};
+use crate::math::color;
 use crate::path::Heuristic;
+use crate::sampling::{Coordinates, Stream};
 use crate::scene::{RayCounts, Scene};
 
 /// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use crate::film::Splat;
 use crate::integrators::{Sampler, Technique, Workspace};
 use crate::markov::bootstrap::sample_generator;
-use crate::math::{FreshCoordinates, color};
-use crate::path::Connection;
+use crate::math::color;
+use crate::sampling::FreshCoordinates;
 use crate::scene::{RayCounts, Scene};
+use crate::technique::Connection;
 
 /// Samples evaluated one after the other.
 const RUN: u64 = 256;

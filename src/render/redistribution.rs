@@ -32,11 +32,11 @@ use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::{
     Chain, ChainCounters, LazyPoint, Recording, Sample, SmallStep, Steps, systematic_resample,
 };
-use crate::math::Stream;
 use crate::math::color::{is_light, saturated};
-use crate::math::seeds::{self, Purpose};
-use crate::path::Connection;
+use crate::sampling::Stream;
+use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{RayCounts, Scene};
+use crate::technique::Connection;
 
 /// Mutations of a chain: fewest where the block has found little, and most.
 const MUTATIONS: [f64; 2] = [64.0, 8192.0];

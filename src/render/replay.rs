@@ -7,10 +7,10 @@ use super::{Origin, Settings};
 use crate::film::FilmSampler;
 use crate::integrators::{Sampler, Splats, Technique, Workspace};
 use crate::markov::{Chain, Target};
-use crate::math::seeds::{self, Purpose};
-use crate::math::{Coordinates, FreshCoordinates};
-use crate::path::Connection;
+use crate::sampling::seeds::{self, Purpose};
+use crate::sampling::{Coordinates, FreshCoordinates};
 use crate::scene::Scene;
+use crate::technique::Connection;
 
 /// A path sampler that keeps what its last sample was made of.
 pub struct Replay<'a> {

@@ -3,8 +3,8 @@
 use crate::film::{Splat, SplatLog};
 use crate::integrators::{Sampler, Splats, Workspace};
 use crate::markov::{Sample, Target, Weighing};
-use crate::math::Coordinates;
 use crate::math::color::saturated;
+use crate::sampling::Coordinates;
 use crate::scene::{RayCounts, Scene};
 
 /// A path sampler as the target of Markov chains: I(u) is the luminance of all splats.

@@ -95,7 +95,7 @@ pub struct Settings {
     /// Estimate the standard error of every pixel.
     pub error: bool,
     /// Stop, before the budget is spent, as soon as the estimated relMSE
-    /// ([`crate::statistics::relative_mse`]) is this or less. The error of a Metropolis image takes two
+    /// ([`crate::metrics::relative_mse`]) is this or less. The error of a Metropolis image takes two
     /// chains to be known: with one, only the budget ends the render.
     pub target_error: Option<f64>,
     /// The same seed gives the same image.

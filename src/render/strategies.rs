@@ -14,8 +14,8 @@ use crate::film::{Film, Image, Splat, SplatLog};
 use crate::integrators::{Sampler, Technique, Workspace};
 use crate::math::Rgb;
 use crate::math::color::is_light;
-use crate::path::Connection;
 use crate::scene::Scene;
+use crate::technique::Connection;
 
 /// What one technique gives.
 #[derive(Clone, Debug, PartialEq)]

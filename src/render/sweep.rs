@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::clock::Clock;
 use crate::film::FilmSampler;
 use crate::integrators::Workspace;
-use crate::math::seeds::{self, Purpose};
-use crate::math::{Coordinates, FreshCoordinates, Stream};
 use crate::path::dimensions;
+use crate::sampling::seeds::{self, Purpose};
+use crate::sampling::{Coordinates, FreshCoordinates, Stream};
 use crate::scene::{RayCounts, Scene};
 
 /// Pixels of one run: each has a stream of random numbers of its own in every pass.

@@ -4,16 +4,16 @@
 use glam::{DMat3, DMat4, DVec3};
 
 use super::camera::Camera;
-use super::emitter::{
+use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
+use super::light::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
 };
-use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
 use super::{
     EmitterDescription, FARTHEST, SCENE_RADIUS, Scene, SceneDescription, SceneError,
     ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
-use crate::math::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MOST_OUTCOMES;
 
 /// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
 /// scene file.

@@ -12,7 +12,7 @@ use glam::{DMat4, DVec3, Vec2, Vec3A};
 
 use super::description::{CameraDescription, SceneError};
 use super::{FARTHEST, Ray};
-use crate::math::warp::square_to_disk;
+use crate::sampling::warp::square_to_disk;
 
 /// A camera in scene units.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 use super::{Material, Texture, TriangleMesh};
 use crate::film::Filter;
 use crate::math::Rgb;
-use crate::math::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MOST_OUTCOMES;
 
 /// Everything that a scene file says.
 #[derive(Debug)]

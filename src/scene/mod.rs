@@ -5,29 +5,29 @@
 //! sphere is centred at the origin with radius [`SCENE_RADIUS`]. Radiance does not change with
 //! scale; what does (intensities, the lens) is converted once, in `build`.
 
+pub mod bsdf;
 mod build;
 pub mod camera;
 pub mod description;
-pub mod emitter;
 pub mod geometry;
-pub mod material;
+pub mod interaction;
+pub mod light;
 pub mod mesh;
-pub mod surface;
 pub mod texture;
 
 #[cfg(test)]
 mod test_scenes;
 
+pub use bsdf::{BsdfSample, Distribution, Material, Scattering, TransportMode};
 pub use camera::{Camera, LensSample};
 pub use description::{
     CameraDescription, DepthLimits, EmitterDescription, FilmSettings, SceneDescription, SceneError,
     ShapeDescription, ShapeGeometry, ThinLens,
 };
-pub use emitter::{DirectSample, EmissionSample, EmissionToward, EmitterKind, Emitters};
 pub use geometry::{Geometry, RayCounts};
-pub use material::{BsdfSample, Distribution, Material, Scattering, TransportMode};
+pub use interaction::{Ray, SurfacePoint};
+pub use light::{DirectSample, EmissionSample, EmissionToward, EmitterKind, Emitters};
 pub use mesh::TriangleMesh;
-pub use surface::{Ray, SurfacePoint};
 pub use texture::{Bitmap, Interpolation, Texture, Wrap};
 
 use glam::DVec3;

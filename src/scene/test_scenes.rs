@@ -138,6 +138,6 @@ impl Numbers {
 
     /// Uniform on the unit sphere.
     pub fn direction(&mut self) -> Vec3A {
-        crate::math::warp::square_to_sphere(self.pair()).normalize()
+        crate::sampling::warp::square_to_sphere(self.pair()).normalize()
     }
 }

@@ -1,10 +1,8 @@
 //! Hypothesis tests, diagnostics of Markov chains and error metrics; nothing of rendering.
 
 pub mod autocorrelation;
-pub mod bias;
 pub mod convergence;
 pub mod hypothesis;
-pub mod image_error;
 pub mod independence;
 pub mod moments;
 mod pooling;
@@ -21,14 +19,10 @@ pub use autocorrelation::{
     autocorrelation, autocovariance, integrated_autocorrelation_time,
     integrated_autocorrelation_time_of_chains,
 };
-pub use bias::{BiasTest, BiasVerdict, Estimate, test_bias};
 pub use convergence::{bulk_ess, nested_r_hat, r_hat, tail_ess};
 pub use hypothesis::{
     chi_square, distance_from_uniform, holm, normal_two_sided, smallest_detectable, welch,
     welch_score,
-};
-pub use image_error::{
-    ImageError, expected_relative_mse, image_errors, relative_mse, relative_square_errors,
 };
 pub use independence::spearman;
 pub use moments::Moments;

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use metrolight::math::Rgb;
 use metrolight::render::Integrator::{Bdpt, Path, Pssmlt};
-use metrolight::scene::material::metals;
+use metrolight::scene::bsdf::metals;
 use metrolight::scene::{
     Distribution, EmitterDescription, Material, Scene, ShapeDescription, Texture,
 };

@@ -14,7 +14,7 @@ pub mod worlds;
 
 use std::path::Path;
 
-use metrolight::math::{Coordinates, Stream};
+use metrolight::sampling::{Coordinates, Stream};
 use metrolight::scene::Scene;
 
 /// Loads a scene of the repository, with `-D`-like defines.

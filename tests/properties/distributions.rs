@@ -1,6 +1,6 @@
 //! Discrete distributions: sampling and probability agree exactly.
 
-use metrolight::math::{Distribution1D, Distribution2D};
+use metrolight::sampling::{Distribution1D, Distribution2D};
 use proptest::prelude::*;
 
 use super::unit;

@@ -2,7 +2,7 @@
 
 use metrolight::markov::mutation::wrap;
 use metrolight::markov::{SmallStep, systematic_resample};
-use metrolight::math::seeds::{self, Purpose};
+use metrolight::sampling::seeds::{self, Purpose};
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3A};
 use metrolight::math::Frame;
-use metrolight::math::warp::{
+use metrolight::sampling::warp::{
     cosine_hemisphere_pdf, square_to_cosine_hemisphere, square_to_disk, square_to_sphere,
     square_to_triangle,
 };

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use metrolight::metrics::relative_square_errors;
 use metrolight::plot::false_color;
-use metrolight::statistics::relative_square_errors;
 use serde_json::{Value, json};
 
 use crate::common::page::{Browser, Page};

@@ -1,7 +1,7 @@
 //! Places at the edge: a camera in glass, in a lamp, on a surface; rooms that light cannot leave.
 
 use glam::{DMat4, DVec3};
-use metrolight::integrators::trapped_light;
+use metrolight::analysis::trapped_light;
 use metrolight::render::{Integrator, Settings, Unobserved, render};
 use metrolight::scene::{Scene, ThinLens, TriangleMesh};
 use metrolight::statistics::Moments;

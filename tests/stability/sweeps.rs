@@ -3,10 +3,11 @@
 //! Every point of a sweep is a scene of its own with a reference made by many times the work. What is
 //! recorded makes the charts in `docs/stability.md`.
 
-use metrolight::integrators::lost_light;
+use metrolight::analysis::lost_light;
+use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
 use metrolight::scene::Scene;
-use metrolight::statistics::{Moments, relative_mse};
+use metrolight::statistics::Moments;
 use serde::Serialize;
 
 use super::common::figures::record;

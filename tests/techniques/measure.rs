@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec2;
 use metrolight::integrators::{Technique, Workspace, bdpt};
-use metrolight::math::seeds::{self, Purpose};
-use metrolight::math::{Coordinates, FreshCoordinates, Stream, luminance};
+use metrolight::math::luminance;
 use metrolight::path::{Heuristic, Vertex, dimensions};
+use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::sampling::{Coordinates, FreshCoordinates, Stream};
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
 use rayon::prelude::*;

@@ -7,8 +7,8 @@ mod sweep;
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
+use metrolight::analysis::lost_light;
 use metrolight::convergence::{Curve, Experiment, Variant};
-use metrolight::integrators::lost_light;
 use metrolight::render::{Budget, Integrator, Settings};
 use miette::{IntoDiagnostic, bail};
 

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use metrolight::convergence::Curve;
 use metrolight::film::Image;
+use metrolight::metrics::expected_relative_mse;
 use metrolight::render::{self, Budget, Integrator, Settings};
 use metrolight::scene::Scene;
-use metrolight::statistics::expected_relative_mse;
 use miette::{IntoDiagnostic, bail};
 
 use super::Progress;

@@ -7,9 +7,9 @@ use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use metrolight::analysis::lost_light;
 use metrolight::diagnosis::{DiagnoseError, Diagnosis, Effort, SceneLight, diagnose};
 use metrolight::film::check_writable;
-use metrolight::integrators::lost_light;
 use metrolight::render::Integrator;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};

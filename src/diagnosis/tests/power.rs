@@ -11,7 +11,8 @@ use crate::diagnosis::{Effort, TILES, tile_at};
 use crate::fault::{self, Fault};
 use crate::integrators::{Sampler, Splats, Workspace};
 use crate::markov::{LazyPoint, SmallStep};
-use crate::math::{Coordinates, FreshCoordinates, Stream, luminance, seeds};
+use crate::math::luminance;
+use crate::sampling::{Coordinates, FreshCoordinates, Stream, seeds};
 use crate::scene::Scene;
 use crate::statistics::{Moments, clopper_pearson, holm, kolmogorov_smirnov, welch};
 

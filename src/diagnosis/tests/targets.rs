@@ -3,7 +3,7 @@
 use crate::diagnosis::{COORDINATES, Features, Observation, Plain, Subject, TILES, tile_at};
 use crate::fault::{Fault, planted};
 use crate::markov::{SmallStep, Target, bootstrap::sample_generator};
-use crate::math::{Coordinates, FreshCoordinates, Stream};
+use crate::sampling::{Coordinates, FreshCoordinates, Stream};
 
 /// Plain samples that chains are compared with.
 const PLAIN: u64 = 1 << 17;

@@ -6,8 +6,8 @@ use std::f32::consts::PI;
 use glam::{Mat3A, Vec2, Vec3A};
 
 use super::{DirectSample, EmissionSample, EmissionToward, environment::EnvironmentMap};
-use crate::math::warp::{square_to_disk, square_to_sphere};
 use crate::math::{Frame, Rgb};
+use crate::sampling::warp::{square_to_disk, square_to_sphere};
 use crate::scene::SCENE_RADIUS;
 
 /// Radius of the disks: that of the scene, and some room for rounding.

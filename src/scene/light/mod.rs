@@ -18,8 +18,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 use super::{SceneError, SurfacePoint};
-use crate::math::warp::square_to_sphere;
-use crate::math::{Distribution1D, Rgb, luminance};
+use crate::math::{Rgb, luminance};
+use crate::sampling::Distribution1D;
+use crate::sampling::warp::square_to_sphere;
 
 pub(super) use environment::EnvironmentMap;
 pub(super) use infinite::{DirectionalEmitter, Environment};

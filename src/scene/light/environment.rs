@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use crate::math::{Cell, Distribution2D, Rgb, luminance};
+use crate::math::{Rgb, luminance};
+use crate::sampling::{Cell, Distribution2D};
 
 /// Share of the mean of a row that each patch of it gets at least, if any light comes from there: a
 /// density of 0 or nearly 0 under rounding would lose the light of faint patches beside a sun.

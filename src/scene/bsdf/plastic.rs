@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3A};
 
 use super::{BsdfSample, Draw, Scattering, Texture, fresnel};
 use crate::math::Rgb;
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 
 /// The body under the coat, and how the coat sends light back into it.
 #[derive(Clone, Debug)]

@@ -17,7 +17,7 @@ use glam::{Vec2, Vec2Swizzles, Vec3A};
 use libm::erff;
 
 use super::Distribution;
-use crate::math::warp::square_to_disk;
+use crate::sampling::warp::square_to_disk;
 
 /// Roughness below which Mitsuba 3 clamps.
 const MIN_ALPHA: f32 = 1e-4;

@@ -5,11 +5,12 @@ use glam::{Vec2, Vec3A};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::color::is_light;
 use super::warp::{
     square_to_cosine_hemisphere, square_to_disk, square_to_sphere, square_to_triangle,
 };
-use super::{Coordinates, Distribution1D, Distribution2D, FreshCoordinates, Stream, luminance};
+use super::{Coordinates, Distribution1D, Distribution2D, FreshCoordinates, Stream};
+use crate::math::color::is_light;
+use crate::math::luminance;
 use crate::statistics::chi_square;
 
 fn fresh(seed: u64) -> FreshCoordinates {

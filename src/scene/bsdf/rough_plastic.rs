@@ -11,7 +11,7 @@ use super::microfacet::Microfacets;
 use super::plastic::{Substrate, specular_probability, specular_weight};
 use super::{Scattering, Texture};
 use crate::math::Rgb;
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 
 /// Entries of the tables over the cosine, equally spaced from 0 to 1.
 const TABLE_SIZE: usize = 64;

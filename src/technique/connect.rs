@@ -3,13 +3,14 @@
 
 use glam::{Vec2, Vec3A};
 
-use super::endpoint::Escape;
-use super::mis::Heuristic;
-use super::vertex::{Bounce, Vertex};
 use crate::fault::{Fault, planted};
-use crate::math::{Coordinates, Rgb, Stream};
+use crate::math::Rgb;
+use crate::path::Escape;
+use crate::path::Heuristic;
 use crate::path::dimensions;
-use crate::scene::{DirectSample, EmissionToward, RayCounts, Scene, TransportMode, surface};
+use crate::path::{Bounce, Vertex};
+use crate::sampling::{Coordinates, Stream};
+use crate::scene::{DirectSample, EmissionToward, RayCounts, Scene, TransportMode, interaction};
 
 /// A path made by one technique.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +85,7 @@ fn met(
     heuristic: Heuristic,
     emission: &EmissionToward,
     throughput: Rgb,
-    carried: &super::Carried,
+    carried: &crate::path::Carried,
     i: usize,
 ) -> Connection {
     // A directly visible emitter: no other technique makes paths of one edge.
@@ -269,7 +270,7 @@ pub fn join(
         return None;
     }
     let from = y.surface.ray_origin(direction);
-    let to = surface::offset(z.surface.position, z.surface.geometric_normal, -direction);
+    let to = interaction::offset(z.surface.position, z.surface.geometric_normal, -direction);
     if !scene.geometry.visible(from, to, counts) {
         return None;
     }

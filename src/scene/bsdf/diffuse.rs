@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3A};
 
 use super::Scattering;
 use crate::math::Rgb;
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 
 #[inline]
 pub(super) fn scattering(reflectance: Rgb, to_light: Vec3A, to_camera: Vec3A) -> Scattering {

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::probe::{emitted, scattered};
-use crate::math::seeds::{self, Purpose};
+use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{BsdfSample, Ray, RayCounts, Scene, TransportMode};
 
 /// Particles of light that are followed.

@@ -18,7 +18,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::{Moments, holm, smallest_detectable, welch};
+use crate::statistics::{Moments, holm, smallest_detectable, welch};
 
 /// Side of a tile in pixels.
 pub const TILE: usize = 8;

@@ -9,8 +9,8 @@
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use rayon::prelude::*;
 
-use super::png::encode_srgb;
-use super::read::Image;
+use crate::film::Image;
+use crate::film::png::encode_srgb;
 use crate::math::{Rgb, luminance};
 
 /// How different two images look.

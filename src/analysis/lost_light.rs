@@ -17,9 +17,9 @@ use std::fmt;
 use glam::Vec3A;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::Sampler;
 use super::probe::{emitted, pair, scattered};
-use crate::math::seeds::{self, Purpose};
+use crate::integrators::Sampler;
+use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{Ray, RayCounts, Scene, SurfacePoint, TransportMode};
 
 /// Rays that look from each side.

@@ -5,11 +5,12 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 use super::{DirectSample, EmissionSample, EmissionToward};
-use crate::math::warp::{square_to_cosine_hemisphere, square_to_sphere, square_to_triangle};
-use crate::math::{Distribution1D, Frame, Rgb};
+use crate::math::{Frame, Rgb};
+use crate::sampling::Distribution1D;
+use crate::sampling::warp::{square_to_cosine_hemisphere, square_to_sphere, square_to_triangle};
 use crate::scene::SurfacePoint;
 use crate::scene::geometry::{PlacedSurface, PlacedTriangle};
-use crate::scene::surface::offset;
+use crate::scene::interaction::offset;
 
 /// Distances squared below which two points are the same: the geometry term is beyond f32.
 pub const MIN_DISTANCE_SQUARED: f32 = 1e-20;

@@ -1,0 +1,12 @@
+//! Sources of sample values, and what is made of them: discrete distributions and warps.
+
+pub mod distribution;
+pub mod sampler;
+pub mod seeds;
+pub mod warp;
+
+#[cfg(test)]
+mod tests;
+
+pub use distribution::{Cell, Distribution1D, Distribution2D};
+pub use sampler::{Coordinates, FreshCoordinates, Stream};
