@@ -1,16 +1,16 @@
-//! Faults that can be planted in the chains and the samplers, to see that tests find them. Only unit
-//! tests can plant one; elsewhere [`planted`] is false at compile time and leaves nothing behind.
+//! Faults that can be planted in the code that renders, to show that tests find them. Only unit tests can
+//! plant one; elsewhere [`planted`] is false at compile time and costs nothing.
 
-/// What can be wrong.
+/// The faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
     /// Small steps are clamped to the unit interval and not wrapped around it.
     Clamped,
     /// Small steps go up more often than down.
     Asymmetric,
-    /// A rejected proposal leaves its coordinates behind.
+    /// A rejected proposal is not undone.
     NotRestored,
-    /// A coordinate that was not read catches up one small step too few.
+    /// An unread coordinate is brought up to date with one small step too few.
     LazyStepTooFew,
     /// Acceptance by I(u)/I(v).
     InvertedRatio,
@@ -20,9 +20,20 @@ pub(crate) enum Fault {
     ForcedAcceptance,
     /// The probability of a large step in the weights is not that of the chain.
     OtherLargeStepProbability,
-    /// The number of techniques is no factor of a multiplexed density.
-    #[cfg(test)]
+    /// The number of techniques is left out of a multiplexed density.
     TechniqueCountLeftOut,
+    /// A multiplexed chain makes its path by the next technique of the length.
+    TechniqueOneOff,
+    /// Chains clamp at twice the threshold of the independent samples.
+    OtherThreshold,
+    /// The residual of a clamped path is the whole path.
+    ResidualUnclamped,
+    /// Chains start at residuals chosen uniformly, not in proportion to their density.
+    ResampledUniformly,
+    /// Long paths get more mutations than their share b_k, short ones fewer.
+    LengthShares,
+    /// The weight of the chains that redistribute residuals is 20% too large.
+    ChainWeightOff,
     /// Two neighbouring chains share their random numbers.
     SharedNumbers,
     /// b of the bootstrap is 1% too large.

@@ -1,6 +1,6 @@
-//! Light that no local path sampler can find (Veach 1997, section 8.3.4 and theorem 8.3), or hardly.
+//! Light that no local path techniques can find (Veach 1997, section 8.3.4 and theorem 8.3), or hardly.
 //!
-//! A sampler that extends and joins subpaths vertex by vertex finds a path only if two consecutive
+//! A techniques that extends and joins subpaths vertex by vertex finds a path only if two consecutive
 //! events on it are not delta functions. A point or directional light brings such a pair only with a
 //! first surface that is not smooth, and the lens (which nothing hits here) only with a last one. So
 //! light that goes from such an emitter through smooth surfaces to a rough one, and is seen there
@@ -18,9 +18,9 @@ use glam::Vec3A;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::probe::{emitted, pair, scattered};
-use crate::integrators::Sampler;
 use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{Ray, RayCounts, Scene, SurfacePoint, TransportMode};
+use crate::technique::TechniqueSet;
 
 /// Rays that look from each side.
 const PROBES: u64 = 1 << 15;
@@ -37,7 +37,7 @@ pub enum Loss {
     Nearly,
 }
 
-/// Light that a sampler cannot find, or hardly.
+/// Light that a techniques cannot find, or hardly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LostLight {
     /// Where it comes from; empty if it does not matter.
@@ -45,7 +45,7 @@ pub struct LostLight {
     /// The surfaces that show too little.
     pub surfaces: Vec<String>,
     /// Who cannot find it.
-    pub sampler: Sampler,
+    pub techniques: TechniqueSet,
     /// Whether never or hardly.
     pub loss: Loss,
 }
@@ -55,7 +55,7 @@ impl fmt::Display for LostLight {
         let Self {
             emitter,
             surfaces,
-            sampler,
+            techniques,
             loss,
         } = self;
         let surface = match &surfaces[..] {
@@ -64,31 +64,31 @@ impl fmt::Display for LostLight {
             [one, more @ ..] => format!("{one} and {} more shapes are", more.len()),
             [] => return Ok(()),
         };
-        match (sampler, loss) {
-            (Sampler::Bidirectional, Loss::Always) => write!(
+        match (techniques, loss) {
+            (TechniqueSet::Bidirectional, Loss::Always) => write!(
                 f,
                 "lost light: {surface} lit by {emitter} through smooth glass or mirrors and seen \
-                 through smooth glass or mirrors; no path sampler here can find that light, so the \
+                 through smooth glass or mirrors; no path techniques here can find that light, so the \
                  image is too dark there. A small area light or a little roughness makes it findable"
             ),
-            (Sampler::Path, Loss::Always) => write!(
+            (TechniqueSet::Path, Loss::Always) => write!(
                 f,
                 "lost light: {surface} lit by {emitter} through smooth glass or mirrors, which \
                  path tracing cannot find; bdpt and pssmlt can where it is seen directly"
             ),
-            (Sampler::Light, _) => write!(
+            (TechniqueSet::Light, _) => write!(
                 f,
                 "lost light: {surface} seen through smooth glass or mirrors, where light tracing \
                  finds nothing; use another integrator"
             ),
-            (Sampler::Bidirectional, Loss::Nearly) => write!(
+            (TechniqueSet::Bidirectional, Loss::Nearly) => write!(
                 f,
                 "rare light: {surface} lit by {emitter} through smooth glass or mirrors and seen \
                  through smooth glass or mirrors; only paths that run into the emitter find that \
                  light, and none of {PROBES} did. Expect bright dots, or darkness where it should \
                  be. A larger emitter or a little roughness makes it easier to find"
             ),
-            (Sampler::Path, Loss::Nearly) => write!(
+            (TechniqueSet::Path, Loss::Nearly) => write!(
                 f,
                 "rare light: {surface} lit by {emitter} through smooth glass or mirrors; path \
                  tracing finds that light only by running into the emitter, and none of {PROBES} \
@@ -98,16 +98,16 @@ impl fmt::Display for LostLight {
     }
 }
 
-/// Light in `scene` that `sampler` cannot find, or hardly, by looking along random rays from the
+/// Light in `scene` that `techniques` cannot find, or hardly, by looking along random rays from the
 /// emitters and from the lens. What is so rare that some 30000 rays do not meet it is not reported.
-pub fn lost_light(scene: &Scene, sampler: Sampler) -> Vec<LostLight> {
+pub fn lost_light(scene: &Scene, techniques: TechniqueSet) -> Vec<LostLight> {
     let mut rng = seeds::generator(0, Purpose::Probes, 0);
     let seen = Seen::from_camera(scene, &mut rng);
-    if sampler == Sampler::Light {
+    if techniques == TechniqueSet::Light {
         let lost = LostLight {
             emitter: String::new(),
             surfaces: names(scene, &seen.behind_smooth),
-            sampler,
+            techniques,
             loss: Loss::Always,
         };
         return if lost.surfaces.is_empty() {
@@ -121,7 +121,7 @@ pub fn lost_light(scene: &Scene, sampler: Sampler) -> Vec<LostLight> {
         let Some((emitter, shape, delta)) = lit_through_smooth(scene, &mut rng) else {
             continue;
         };
-        let needs_luck = sampler == Sampler::Path || seen.behind_smooth.contains(&shape);
+        let needs_luck = techniques == TechniqueSet::Path || seen.behind_smooth.contains(&shape);
         // What is at infinity is large: who looks there finds it.
         let is_small = delta || scene.emitters.shape(emitter).is_some();
         let lucky = seen.lucky.contains(&(emitter, shape));
@@ -136,7 +136,7 @@ pub fn lost_light(scene: &Scene, sampler: Sampler) -> Vec<LostLight> {
         .map(|((emitter, loss), shapes)| LostLight {
             emitter: emitter_name(scene, emitter),
             surfaces: names(scene, &shapes),
-            sampler,
+            techniques,
             loss,
         })
         .collect()

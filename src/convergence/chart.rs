@@ -145,7 +145,7 @@ fn amount(x: f64, cost: Cost) -> String {
 mod tests {
     use super::*;
     use crate::convergence::CurvePoint;
-    use crate::render::{Integrator, Settings};
+    use crate::render::{Method, Settings};
 
     fn curve(errors: &[f64]) -> Curve {
         let point = |(i, &relative_mse): (usize, &f64)| CurvePoint {
@@ -163,11 +163,11 @@ mod tests {
 
     #[test]
     fn the_legend_says_who_is_how_much_faster() {
-        let variant = |integrator: Integrator| Variant {
-            label: integrator.name().into(),
-            settings: Settings::new(integrator),
+        let variant = |method: Method| Variant {
+            label: method.name().into(),
+            settings: Settings::new(method),
         };
-        let variants = [Integrator::Bdpt, Integrator::Pssmlt, Integrator::Path].map(variant);
+        let variants = [Method::Bdpt, Method::Pssmlt, Method::Path].map(variant);
         let curves = [
             curve(&[8.0, 4.0, 2.0, 1.0]),
             curve(&[2.0, 1.0, 0.5, 0.25]),

@@ -162,8 +162,8 @@ impl CurvePoint {
             [least, errors().fold(0.0, f64::max)]
         };
         Self {
-            seconds: mean(&|m| m.moment.seconds),
-            rays: mean(&|m| m.moment.rays as f64),
+            seconds: mean(&|m| m.progress.seconds),
+            rays: mean(&|m| m.progress.rays as f64),
             relative_mse: mean(&|m| m.error.relative_mse),
             spread: spread(Measure::Whole),
             relative_mse_trimmed: mean(&|m| m.error.relative_mse_trimmed),
@@ -176,7 +176,7 @@ impl CurvePoint {
 mod tests {
     use super::*;
     use crate::metrics::image_errors;
-    use crate::render::Moment;
+    use crate::render::Progress;
 
     /// relMSE against an image of ones is d^2 / 1.01 for a deviation of d.
     fn measurement(variant: usize, repeat: u64, index: usize, seconds: f64, d: f32) -> Measurement {
@@ -184,7 +184,7 @@ mod tests {
             variant,
             repeat,
             index,
-            moment: Moment {
+            progress: Progress {
                 seconds,
                 samples: 1,
                 rays: (1000.0 * seconds) as u64,

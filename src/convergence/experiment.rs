@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::recorder::{Measured, Recorder, Schedule};
 use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
-use crate::render::{Moment, Observer, Settings, render};
+use crate::render::{Observer, Progress, Settings, render};
 use crate::scene::Scene;
 
 /// A way to render the scene.
@@ -36,10 +36,10 @@ pub struct Measurement {
     pub variant: usize,
     /// Which repeat, from 0.
     pub repeat: u64,
-    /// Which of the scheduled moments, from 0: the same in all repeats of a variant.
+    /// Which of the scheduled progresss, from 0: the same in all repeats of a variant.
     pub index: usize,
     /// How much had been done.
-    pub moment: Moment,
+    pub progress: Progress,
     /// Against the reference.
     pub error: ImageError,
 }
@@ -115,7 +115,7 @@ impl Experiment<'_> {
         let statistics = &rendering.statistics;
         let end = Measured {
             index: schedule.len().saturating_sub(1),
-            moment: Moment {
+            progress: Progress {
                 seconds: statistics.render_seconds,
                 samples: statistics.samples,
                 rays: statistics.closest_hit_rays + statistics.shadow_rays,
@@ -127,7 +127,7 @@ impl Experiment<'_> {
             variant,
             repeat: repeat as u64,
             index: m.index,
-            moment: m.moment,
+            progress: m.progress,
             error: m.error,
         };
         outcome

@@ -1,21 +1,21 @@
-//! An observer that measures the image of a render at moments fixed beforehand.
+//! An observer that measures the image of a render at progresss fixed beforehand.
 
 use std::sync::Mutex;
 
 use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
-use crate::render::{Budget, Moment, Observer};
+use crate::render::{Budget, Observer, Progress};
 
-/// Measured moments are a factor of sqrt(2) apart: two of them to an octave.
+/// Measured progresss are a factor of sqrt(2) apart: two of them to an octave.
 const PER_OCTAVE: f64 = 2.0;
 
-/// Measured moments, the end included.
+/// Measured progresss, the end included.
 const MOMENTS: usize = 17;
 
 /// No image is measured before this second: a render needs some time to begin.
 const FIRST_SECOND: f64 = 0.05;
 
-/// Moments at which to measure, in seconds or in samples, ascending; the last is the whole budget.
+/// Progresss at which to measure, in seconds or in samples, ascending; the last is the whole budget.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Schedule {
     /// Seconds of rendering.
@@ -28,46 +28,46 @@ impl Schedule {
     /// For a render of `pixels` pixels.
     pub fn new(budget: Budget, pixels: u64) -> Self {
         match budget {
-            Budget::Seconds(seconds) => Self::Seconds(moments(seconds, FIRST_SECOND)),
+            Budget::Seconds(seconds) => Self::Seconds(progresss(seconds, FIRST_SECOND)),
             Budget::SamplesPerPixel(n) => {
                 let pixels = pixels as f64;
-                Self::Samples(moments(n as f64 * pixels, pixels))
+                Self::Samples(progresss(n as f64 * pixels, pixels))
             }
             Budget::Unlimited => Self::Seconds(Vec::new()),
         }
     }
 
-    /// Number of scheduled moments that have come.
-    fn reached(&self, moment: &Moment) -> usize {
-        let (moments, spent) = match self {
-            Self::Seconds(moments) => (moments, moment.seconds),
-            Self::Samples(moments) => (moments, moment.samples as f64),
+    /// Number of scheduled progresss that have come.
+    fn reached(&self, progress: &Progress) -> usize {
+        let (progresss, spent) = match self {
+            Self::Seconds(progresss) => (progresss, progress.seconds),
+            Self::Samples(progresss) => (progresss, progress.samples as f64),
         };
-        moments.partition_point(|&at| at <= spent)
+        progresss.partition_point(|&at| at <= spent)
     }
 
-    /// Number of moments.
+    /// Number of progresss.
     pub fn len(&self) -> usize {
         match self {
-            Self::Seconds(moments) | Self::Samples(moments) => moments.len(),
+            Self::Seconds(progresss) | Self::Samples(progresss) => progresss.len(),
         }
     }
 }
 
 /// `last`, and what is before it by powers of the factor down to `first`, ascending.
-fn moments(last: f64, first: f64) -> Vec<f64> {
+fn progresss(last: f64, first: f64) -> Vec<f64> {
     let all = (0..MOMENTS).rev();
-    let moments = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
-    moments.filter(|&at| at >= first || at == last).collect()
+    let progresss = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
+    progresss.filter(|&at| at >= first || at == last).collect()
 }
 
 /// An image that was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Measured {
-    /// Which of the scheduled moments it is.
+    /// Which of the scheduled progresss it is.
     pub index: usize,
     /// When it was really measured.
-    pub moment: Moment,
+    pub progress: Progress,
     /// What was measured.
     pub error: ImageError,
 }
@@ -85,7 +85,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Number of scheduled moments that need no measuring any more.
+    /// Number of scheduled progresss that need no measuring any more.
     fn done(&self) -> usize {
         let measured = self.measured.lock();
         measured.map_or(0, |m| m.last().map_or(0, |last| last.index + 1))
@@ -107,16 +107,16 @@ impl Observer for Recorder<'_> {
         self.inner.interrupted()
     }
 
-    fn wants_to_look(&self, moment: &Moment) -> bool {
-        let reached = self.schedule.reached(moment);
+    fn wants_snapshot(&self, progress: &Progress) -> bool {
+        let reached = self.schedule.reached(progress);
         // The end is measured from the image that the render returns.
         reached > self.done() && reached < self.schedule.len()
     }
 
-    fn look(&self, moment: &Moment, image: &Image) {
+    fn on_snapshot(&self, progress: &Progress, image: &Image) {
         let measured = Measured {
-            index: self.schedule.reached(moment) - 1,
-            moment: *moment,
+            index: self.schedule.reached(progress) - 1,
+            progress: *progress,
             error: image_errors(&image.pixels, &self.reference.pixels),
         };
         if let Ok(mut all) = self.measured.lock() {
@@ -129,8 +129,8 @@ impl Observer for Recorder<'_> {
 mod tests {
     use super::*;
 
-    fn at(seconds: f64, samples: u64) -> Moment {
-        Moment {
+    fn at(seconds: f64, samples: u64) -> Progress {
+        Progress {
             seconds,
             samples,
             rays: 0,
@@ -138,23 +138,23 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_geometric_and_end_with_the_budget() {
-        let Schedule::Seconds(moments) = Schedule::new(Budget::Seconds(60.0), 100) else {
+    fn progresss_are_geometric_and_end_with_the_budget() {
+        let Schedule::Seconds(progresss) = Schedule::new(Budget::Seconds(60.0), 100) else {
             panic!("a budget of seconds is scheduled in seconds");
         };
-        assert_eq!(moments.len(), MOMENTS);
-        assert_eq!(moments[MOMENTS - 1], 60.0);
-        let ratios = moments.windows(2).map(|pair| pair[1] / pair[0]);
+        assert_eq!(progresss.len(), MOMENTS);
+        assert_eq!(progresss[MOMENTS - 1], 60.0);
+        let ratios = progresss.windows(2).map(|pair| pair[1] / pair[0]);
         assert!(ratios.into_iter().all(|r| (r * r - 2.0).abs() < 1e-12));
-        assert!(moments[0] > 0.2 && moments[0] < 0.3);
+        assert!(progresss[0] > 0.2 && progresss[0] < 0.3);
         // One sample per pixel is the first image.
         let samples = Schedule::new(Budget::SamplesPerPixel(4), 100);
         let expected = [100.0, 141.4, 200.0, 282.8, 400.0];
-        let Schedule::Samples(moments) = &samples else {
+        let Schedule::Samples(progresss) = &samples else {
             panic!("a budget of samples is scheduled in samples");
         };
-        let near = moments.iter().zip(expected);
-        assert!(moments.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
+        let near = progresss.iter().zip(expected);
+        assert!(progresss.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
         assert_eq!(samples.reached(&at(0.0, 99)), 0);
         assert_eq!(samples.reached(&at(0.0, 399)), 4);
         assert_eq!(samples.reached(&at(0.0, 400)), 5);

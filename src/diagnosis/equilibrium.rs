@@ -3,14 +3,14 @@
 use super::check::{self, Check};
 use super::history::{self, History};
 use super::normalisation::{self, Normalisation};
-use super::observation::{Features, Subject};
+use super::observation::{ChainTarget, Features};
 use super::starts::{self, Starts};
-use super::{DiagnoseError, Effort, begin, invariance, part, reversibility};
-use crate::markov::{Bootstrap, Weighing};
+use super::{DiagnoseError, DiagnosisBudget, begin, invariance, part, reversibility};
+use crate::markov::{Bootstrap, KelemenWeights};
 use crate::render::Observer;
 use crate::sampling::seeds::{self, Purpose};
 
-/// Chains that started in equilibrium, and what the tests say.
+/// Chains that started in equilibrium, and the tests.
 pub(super) struct Equilibrium {
     pub checks: Vec<Check>,
     pub bootstrap: Bootstrap,
@@ -22,21 +22,21 @@ pub(super) struct Equilibrium {
 }
 
 /// Runs all tests.
-pub(super) fn equilibrium<S: Subject>(
-    subject: &S,
-    effort: &Effort,
+pub(super) fn equilibrium<S: ChainTarget>(
+    chain_target: &S,
+    budget: &DiagnosisBudget,
     observer: &dyn Observer,
 ) -> Result<Equilibrium, DiagnoseError> {
-    let seed = |part| seeds::part(effort.seed, part);
-    let p_large = effort.large_step_probability;
+    let seed = |part| seeds::part(budget.seed, part);
+    let mutations = chain_target.mutations();
     begin(observer, "bootstrap")?;
     let bootstrap = Bootstrap::run(
         seed(part::BOOTSTRAP),
-        effort.bootstrap,
-        || subject.target(),
+        budget.bootstrap,
+        || chain_target.target(),
         |_| (),
         |done| {
-            observer.progress(done as f64 / effort.bootstrap.at_most as f64, None);
+            observer.progress(done as f64 / budget.bootstrap.at_most as f64, None);
             observer.interrupted()
         },
     );
@@ -46,31 +46,32 @@ pub(super) fn equilibrium<S: Subject>(
 
     begin(observer, "starts in equilibrium")?;
     let c = starts::spacing(&bootstrap);
-    let limits = (effort.chains, effort.samples);
-    let draw = |part| Starts::draw(subject, seed(part), c, limits, observer);
+    let limits = (budget.chains, budget.samples);
+    let draw = |part| Starts::draw(chain_target, seed(part), c, limits, observer);
     let fresh = draw(part::FRESH);
     begin(observer, "more starts")?;
     let starts = draw(part::STARTS);
     let fresh: Vec<Features> = fresh.starts.iter().map(|start| start.features).collect();
 
     begin(observer, "chains")?;
-    let weighing = Weighing {
+    let weights = KelemenWeights {
         b: bootstrap.moments.mean,
-        large_step_probability: f64::from(p_large),
+        large_step_probability: mutations.large_step_probability(),
     };
-    let histories = history::run(subject, &starts, seed(part::CHAINS), weighing, observer)?;
+    let histories = history::run(chain_target, &starts, seed(part::CHAINS), weights, observer)?;
     begin(observer, "ranks")?;
-    let mut checks = reversibility::ranks(subject, &starts, seed(part::RANKS), p_large);
+    let mut checks = reversibility::ranks(chain_target, &starts, seed(part::RANKS));
     begin(observer, "tests")?;
     let mut rng = seeds::generator(seed(part::TESTS), Purpose::Tests, 0);
-    checks.extend(invariance::invariance(&fresh, &histories, effort, &mut rng));
-    checks.extend(reversibility::symmetry(&fresh, &histories));
+    checks.extend(invariance::invariance(&fresh, &histories, budget, &mut rng));
+    checks.extend(reversibility::symmetry(&fresh, &histories, &mutations));
     checks.extend(invariance::independence(&histories));
-    begin(observer, "plain sampling")?;
-    let plain = subject.plain(seed(part::PLAIN));
+    begin(observer, "independent samples")?;
+    let independent = chain_target.independent(seed(part::INDEPENDENT));
     let (normalisation, more) =
-        normalisation::normalisation(&bootstrap, &histories, &plain, weighing);
+        normalisation::normalisation(&bootstrap, &histories, &independent, weights);
     checks.extend(more);
+    checks.extend(chain_target.own_checks(seed(part::OWN)));
     check::correct(&mut checks);
     Ok(Equilibrium {
         checks,

@@ -1,4 +1,4 @@
-//! Chains that start in equilibrium, and what happens to them.
+//! Chains that start in equilibrium, and their states and steps.
 
 use std::time::Instant;
 
@@ -6,15 +6,14 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::DiagnoseError;
-use super::observation::{Features, Observation, Subject, TILES};
+use super::observation::{ChainTarget, Features, Observation, TILES};
 use super::starts::{Start, Starts};
-use crate::markov::bootstrap::sample_generator;
-use crate::markov::{Chain, ChainCounters, Sample, Weighing};
+use crate::markov::{Chain, ChainCounters, KelemenWeights, Sample, bootstrap};
 use crate::render::Observer;
 use crate::sampling::seeds;
 
-/// Steps after which the chains are looked at.
-pub const LOOKS: [u64; 4] = [1, 8, 64, 512];
+/// Steps after which the states of the chains are compared.
+pub const CHECKPOINTS: [u64; 4] = [1, 8, 64, 512];
 
 /// One step of a chain.
 #[derive(Clone, Copy, Debug)]
@@ -23,19 +22,19 @@ pub struct Transition {
     pub before: Features,
     /// The state after: the same if the proposal was rejected.
     pub after: Features,
-    /// The proposal was a large step.
-    pub large: bool,
+    /// The kind of mutation that was proposed, in the order of the chain's list.
+    pub kind: usize,
 }
 
-/// What happened to one chain.
+/// The history of one chain.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// The uniform sample that it started from: chains with one sample are one unit.
+    /// The uniform sample at which it started: chains with one sample are one cluster.
     pub sample: u64,
     /// The start.
     pub start: Features,
-    /// The states after [`LOOKS`] steps.
-    pub states: [Features; LOOKS.len()],
+    /// The states after [`CHECKPOINTS`] steps.
+    pub states: [Features; CHECKPOINTS.len()],
     /// The first and the last step.
     pub transitions: [Transition; 2],
     /// Estimates of integrals: the chain part, still to be multiplied by b/b_0, and the large-step
@@ -43,8 +42,8 @@ pub struct History {
     pub integrals: [Integrals; 2],
     /// Counts of steps.
     pub counters: ChainCounters,
-    /// Small steps proposed and accepted, by the tile of the state before.
-    pub small_steps: Vec<[u32; 2]>,
+    /// Perturbations (all mutations but large steps) proposed and accepted, by the tile of the state before.
+    pub perturbations: Vec<[u32; 2]>,
 }
 
 /// Integrals over the hypercube, or estimates of them.
@@ -84,18 +83,18 @@ impl Integrals {
     }
 }
 
-/// Chains that run between two looks at the observer.
+/// Chains that run between two reports to the observer.
 const BATCH: usize = 256;
 
-/// Runs a chain from every start for as many steps as the last look wants.
+/// Runs a chain from every start up to the last checkpoint.
 ///
 /// # Errors
 /// If the observer stops it.
-pub fn run<S: Subject>(
-    subject: &S,
+pub fn run<S: ChainTarget>(
+    chain_target: &S,
     starts: &Starts,
     seed: u64,
-    weighing: Weighing,
+    weights: KelemenWeights,
     observer: &dyn Observer,
 ) -> Result<Vec<History>, DiagnoseError> {
     let all = starts.starts.len();
@@ -110,48 +109,47 @@ pub fn run<S: Subject>(
         let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         observer.progress(done, (done > 0.0).then_some(left));
         let history = |(start, generator): (&Start, &Xoshiro256PlusPlus)| {
-            let mut target = subject.target();
+            let mut target = chain_target.target();
             let chain = Chain::start(
                 &mut target,
-                sample_generator(starts.seed, start.sample),
+                bootstrap::sample(starts.seed, start.sample),
                 generator.clone(),
-                weighing.large_step_probability as f32,
-                subject.small_step(),
+                chain_target.mutations(),
             );
-            Recorder::new(chain, start.sample, weighing).record(&mut target)
+            Recorder::new(chain, start.sample, weights).record(&mut target)
         };
         histories.par_extend(starts_of.par_iter().zip(generators).map(history));
     }
     Ok(histories)
 }
 
-/// A chain whose history is being written.
+/// A chain whose history is being recorded.
 struct Recorder {
     chain: Chain<Observation>,
-    weighing: Weighing,
+    weights: KelemenWeights,
     history: History,
 }
 
 impl Recorder {
-    fn new(chain: Chain<Observation>, sample: u64, weighing: Weighing) -> Self {
+    fn new(chain: Chain<Observation>, sample: u64, weights: KelemenWeights) -> Self {
         let start = Features::of(chain.current());
         let still = Transition {
             before: start,
             after: start,
-            large: false,
+            kind: 0,
         };
         let history = History {
             sample,
             start,
-            states: [start; LOOKS.len()],
+            states: [start; CHECKPOINTS.len()],
             transitions: [still; 2],
             integrals: [Integrals::zero(), Integrals::zero()],
             counters: ChainCounters::default(),
-            small_steps: vec![[0; 2]; TILES * TILES],
+            perturbations: vec![[0; 2]; TILES * TILES],
         };
         Self {
             chain,
-            weighing,
+            weights,
             history,
         }
     }
@@ -160,32 +158,35 @@ impl Recorder {
     where
         T: crate::markov::Target<Contribution = Observation>,
     {
-        let last = LOOKS[LOOKS.len() - 1];
+        let last = CHECKPOINTS[CHECKPOINTS.len() - 1];
         for step in 1..=last {
             let before = Features::of(self.chain.current());
-            let [large, accepted] = self.step(target);
+            let (kind, accepted) = self.step(target);
             let after = || Features::of(self.chain.current());
-            let noted = [1, last].iter().position(|&s| s == step);
-            if let Some(i) = noted {
+            let recorded = [1, last].iter().position(|&s| s == step);
+            if let Some(i) = recorded {
                 self.history.transitions[i] = Transition {
                     before,
                     after: after(),
-                    large,
+                    kind,
                 };
             }
-            if let Some(i) = LOOKS.iter().position(|&look| look == step) {
+            if let Some(i) = CHECKPOINTS
+                .iter()
+                .position(|&checkpoint| checkpoint == step)
+            {
                 self.history.states[i] = after();
             }
-            if !large {
-                let [proposals, acceptances] = &mut self.history.small_steps[before.tile];
+            if !self.chain.mutations().kind(kind).is_large_step() {
+                let [proposals, acceptances] = &mut self.history.perturbations[before.tile];
                 *proposals += 1;
                 *acceptances += u32::from(accepted);
             }
         }
-        let weights = self.chain.take_weights();
+        let gathered = self.chain.take_weights();
         let mut current = self.chain.current().clone();
-        current.weights = weights;
-        add(&mut self.history.integrals, &self.weighing, &current);
+        current.weights = gathered;
+        add(&mut self.history.integrals, &self.weights, &current);
         let scale = 1.0 / last as f64;
         self.history
             .integrals
@@ -195,23 +196,21 @@ impl Recorder {
         self.history
     }
 
-    /// One step. Returns whether it was large, and whether it was accepted.
-    fn step<T>(&mut self, target: &mut T) -> [bool; 2]
+    /// One step. Returns the kind of mutation, and whether it was accepted.
+    fn step<T>(&mut self, target: &mut T) -> (usize, bool)
     where
         T: crate::markov::Target<Contribution = Observation>,
     {
-        let counts = |chain: &Chain<_>| [chain.counters.large[0], chain.counters.accepted()];
-        let before = counts(&self.chain);
-        let retired = self.chain.step(target);
-        add(&mut self.history.integrals, &self.weighing, retired);
-        let after = counts(&self.chain);
-        [after[0] > before[0], after[1] > before[1]]
+        let before = self.chain.counters.accepted();
+        let (kind, sample) = self.chain.step(target);
+        add(&mut self.history.integrals, &self.weights, sample);
+        (kind, self.chain.counters.accepted() > before)
     }
 }
 
 /// Adds a sample with its weights to the estimates.
-fn add(integrals: &mut [Integrals; 2], weighing: &Weighing, sample: &Sample<Observation>) {
-    for (part, factor) in integrals.iter_mut().zip(weighing.factors(sample)) {
+fn add(integrals: &mut [Integrals; 2], weights: &KelemenWeights, sample: &Sample<Observation>) {
+    for (part, factor) in integrals.iter_mut().zip(weights.factors(sample)) {
         part.add(sample, factor);
     }
 }

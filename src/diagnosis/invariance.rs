@@ -1,10 +1,10 @@
-//! Chains that start in the target distribution must still have it after any number of steps.
+//! Invariance: chains that start in the target distribution have it after any number of steps.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::Effort;
+use super::DiagnosisBudget;
 use super::check::{Check, Family};
-use super::history::{History, LOOKS};
+use super::history::{CHECKPOINTS, History};
 use super::observation::{Features, Quantity};
 use crate::statistics::{
     chi_square_two_sample, kolmogorov_smirnov, kolmogorov_smirnov_randomized, mmd_permutation,
@@ -14,18 +14,18 @@ use crate::statistics::{
 /// Points of each sample that the maximum mean discrepancy compares.
 const MMD_POINTS: usize = 256;
 
-/// Compares `fresh` states, drawn exactly from the target, with those of `histories` after each look,
+/// Compares `fresh` states, drawn exactly from the target, with those of `histories` at each checkpoint,
 /// one state per chain; and those of the same chains before and after.
 pub fn invariance(
     fresh: &[Features],
     histories: &[History],
-    effort: &Effort,
+    budget: &DiagnosisBudget,
     rng: &mut Xoshiro256PlusPlus,
 ) -> Vec<Check> {
-    let (coordinates, permutations) = (effort.coordinates, effort.permutations);
+    let (coordinates, permutations) = (budget.coordinates, budget.permutations);
     let mut checks = Vec::new();
-    for (look, steps) in LOOKS.into_iter().enumerate() {
-        let states: Vec<Features> = histories.iter().map(|h| h.states[look]).collect();
+    for (checkpoint, steps) in CHECKPOINTS.into_iter().enumerate() {
+        let states: Vec<Features> = histories.iter().map(|h| h.states[checkpoint]).collect();
         let mut check = |test: &str, p_value| {
             let name = format!("{test} after {}", count_steps(steps));
             checks.push(Check::new(Family::Invariance, name, p_value));
@@ -36,7 +36,7 @@ pub fn invariance(
         );
         check(
             "Stuart-Maxwell of tile x technique",
-            stuart_maxwell(&changes(histories, look)).p_value,
+            stuart_maxwell(&changes(histories, checkpoint)).p_value,
         );
         let compare = |value: &dyn Fn(&Features) -> f64| {
             [fresh, &states].map(|sample| sample.iter().map(value).collect::<Vec<f64>>())
@@ -58,10 +58,9 @@ pub fn invariance(
     checks
 }
 
-/// Null hypothesis: two chains side by side have nothing to do with each other. Chains from one start
-/// are left out.
+/// Null hypothesis: neighbouring chains are independent. Chains from one start are left out.
 pub fn independence(histories: &[History]) -> Vec<Check> {
-    let last = LOOKS.len() - 1;
+    let last = CHECKPOINTS.len() - 1;
     let neighbours: Vec<[&Features; 2]> = histories
         .chunks_exact(2)
         .filter(|pair| pair[0].sample != pair[1].sample)
@@ -89,12 +88,12 @@ fn cells(states: &[Features]) -> Vec<u64> {
     counts
 }
 
-/// Per unit, the cells that its chains have left and entered.
-fn changes(histories: &[History], look: usize) -> Vec<Vec<(usize, f64)>> {
-    let units = histories.chunk_by(|a, b| a.sample == b.sample);
-    let change = |h: &History| [(h.start.cell(), -1.0), (h.states[look].cell(), 1.0)];
-    units
-        .map(|unit| unit.iter().flat_map(change).collect())
+/// Per cluster, the cells that its chains have left and entered.
+fn changes(histories: &[History], checkpoint: usize) -> Vec<Vec<(usize, f64)>> {
+    let clusters = histories.chunk_by(|a, b| a.sample == b.sample);
+    let change = |h: &History| [(h.start.cell(), -1.0), (h.states[checkpoint].cell(), 1.0)];
+    clusters
+        .map(|cluster| cluster.iter().flat_map(change).collect())
         .collect()
 }
 

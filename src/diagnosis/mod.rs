@@ -1,7 +1,6 @@
-//! Are chains in equilibrium, and how much are they worth?
+//! Are chains in equilibrium, and how well do they mix?
 //!
-//! The tests know their subject only as a target on the hypercube with something to look at in each
-//! state ([`Subject`]), so that the same code judges the chains of a scene and those of targets whose
+//! The tests see a target on the hypercube and some observed quantities of each state ([`ChainTarget`]), so that the same code judges the chains of a scene and those of targets whose
 //! distribution is known. Each test of a chain takes one state per chain, and chains start exactly in
 //! the target distribution ([`starts`]): under the null hypothesis the states are then independent,
 //! however slowly a chain moves.
@@ -10,9 +9,11 @@ pub mod check;
 mod equilibrium;
 pub mod history;
 pub mod invariance;
-pub mod light;
+pub mod mmlt;
 pub mod normalisation;
 pub mod observation;
+mod paths;
+pub mod pssmlt;
 pub mod quality;
 pub mod reversibility;
 pub mod start_up;
@@ -28,29 +29,30 @@ use crate::sampling::seeds;
 
 use self::equilibrium::{Equilibrium, equilibrium};
 pub use check::{Check, Family};
-pub use light::{COORDINATE_NAMES, SceneLight};
+pub use mmlt::{MmltChains, MmltSamples};
 pub use normalisation::{Estimate, Normalisation};
 pub use observation::{
-    COORDINATES, Features, Observation, Plain, Quantity, Subject, TECHNIQUES, TILES, tile_at,
+    COORDINATES, ChainTarget, Features, IndependentEstimate, Observation, Quantity, TECHNIQUES,
+    TILES, tile_at,
 };
+pub use paths::COORDINATE_NAMES;
+pub use pssmlt::PssmltChains;
 pub use quality::{Mixing, Quality, TileMixing};
 pub use start_up::StartUpBias;
 pub use starts::Starts;
 
-/// How thoroughly chains are diagnosed.
+/// Numbers of chains and samples of a diagnosis.
 #[derive(Clone, Debug, Serialize)]
-pub struct Effort {
+pub struct DiagnosisBudget {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// p_large of the chains.
-    pub large_step_probability: f32,
     /// Chains that start in equilibrium, if so many independent starts can be found.
     pub chains: usize,
     /// Uniform samples to look for starts in; twice, for the chains and for states to compare with.
     pub samples: u64,
     /// Steps of each of the long chains.
     pub steps: u64,
-    /// Names of the watched coordinates.
+    /// Names of the observed coordinates.
     pub coordinates: [&'static str; COORDINATES],
     /// Bounds on the bootstrap that b is known from and long chains start from.
     #[serde(skip)]
@@ -60,11 +62,10 @@ pub struct Effort {
     pub permutations: u32,
 }
 
-impl Default for Effort {
+impl Default for DiagnosisBudget {
     fn default() -> Self {
         Self {
             seed: 0,
-            large_step_probability: crate::render::Settings::default().large_step_probability,
             chains: 4096,
             samples: 1 << 21,
             steps: 4096,
@@ -87,14 +88,14 @@ pub struct Diagnosis {
     /// Chains that started in equilibrium.
     pub chains: usize,
     /// Independent starts among them.
-    pub units: usize,
-    /// Uniform samples that were looked at to find them.
+    pub clusters: usize,
+    /// Uniform samples among which they were found.
     pub samples: u64,
     /// Estimates of b.
     pub normalisation: Normalisation,
     /// Bias of chains that start from small bootstraps.
     pub start_up: Vec<StartUpBias>,
-    /// What long chains are worth.
+    /// How well long chains mix.
     pub quality: Quality,
 }
 
@@ -116,22 +117,22 @@ mod part {
     pub const STARTS: u64 = 2;
     pub const CHAINS: u64 = 3;
     pub const RANKS: u64 = 4;
-    pub const PLAIN: u64 = 5;
+    pub const INDEPENDENT: u64 = 5;
     pub const START_UP: u64 = 6;
     pub const QUALITY: u64 = 7;
     pub const TESTS: u64 = 8;
+    pub const OWN: u64 = 9;
 }
 
-/// Diagnoses the chains of `subject`.
+/// Diagnoses the chains of `chain_target`.
 ///
 /// # Errors
 /// If there is no light to be found, or the observer stops it.
-pub fn diagnose<S: Subject>(
-    subject: &S,
-    effort: &Effort,
+pub fn diagnose<S: ChainTarget>(
+    chain_target: &S,
+    budget: &DiagnosisBudget,
     observer: &dyn Observer,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let p_large = effort.large_step_probability;
     let Equilibrium {
         checks,
         bootstrap,
@@ -139,17 +140,17 @@ pub fn diagnose<S: Subject>(
         starts,
         histories,
         normalisation,
-    } = equilibrium(subject, effort, observer)?;
+    } = equilibrium(chain_target, budget, observer)?;
     begin(observer, "start-up bias")?;
-    let seed = |part| seeds::part(effort.seed, part);
-    let start_up = start_up::start_up_bias(subject, &fresh, seed(part::START_UP), p_large);
+    let seed = |part| seeds::part(budget.seed, part);
+    let start_up = start_up::start_up_bias(chain_target, &fresh, seed(part::START_UP));
     begin(observer, "long chains")?;
-    let long = (effort.steps, seed(part::QUALITY));
-    let quality = quality::quality(subject, &bootstrap, &histories, long, p_large);
+    let long = (budget.steps, seed(part::QUALITY));
+    let quality = quality::quality(chain_target, &bootstrap, &histories, long);
     Ok(Diagnosis {
         checks,
         chains: histories.len(),
-        units: starts.units(),
+        clusters: starts.clusters(),
         samples: starts.samples,
         normalisation,
         start_up,

@@ -1,18 +1,18 @@
-//! b, and what samples weigh: what chains make of the image must be what plain sampling makes of it.
+//! Normalisation: b, and the weights of samples. Chains and independent samples estimate the same image.
 //!
-//! Where light is rare and bright, uniform samples do not know how uncertain their mean is: most of them
-//! have never met it. Chains have. So the variance of every uniform sample is estimated by the chains'
-//! weights, as an integral like any other, and a mean that rests on too few lucky samples is not tested.
+//! Where light is rare and bright, uniform samples underestimate the variance of their mean, because most
+//! of them have not found it. Chains have. So the variance of uniform samples is estimated by the chains'
+//! weights, as any other integral, and a mean that rests on too few contributing samples is not tested.
 
 use super::check::{Check, Family};
 use super::history::{History, Integrals};
-use super::observation::{Plain, TILES};
-use crate::markov::{Bootstrap, Weighing};
+use super::observation::{IndependentEstimate, TILES};
+use crate::markov::{Bootstrap, KelemenWeights};
 use crate::statistics::{Moments, holm, normal_two_sided};
 
-/// Independent units of chains, and lucky samples, that a test takes at least: its z-score is then
-/// about normal.
-const FEWEST: f64 = 200.0;
+/// Least effective number of clusters of chains, or of contributing samples, for a test: its z-score is
+/// then approximately normal.
+pub(super) const MIN_EFFECTIVE: f64 = 200.0;
 
 /// Estimates of b: the mean of I.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -30,7 +30,7 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error.
     pub standard_error: f64,
-    /// It rests on so many samples, or units of chains, that a test makes sense.
+    /// It rests on enough samples, or clusters of chains, for a test.
     #[serde(skip)]
     is_testable: bool,
 }
@@ -44,7 +44,7 @@ impl Estimate {
             value,
             standard_error: ((square - value * value).max(0.0) / count).sqrt(),
             // n mean^2 / mean square: n if all samples are alike, the number of hits if all are.
-            is_testable: count * value * value > FEWEST * square,
+            is_testable: count * value * value > MIN_EFFECTIVE * square,
         }
     }
 
@@ -56,50 +56,61 @@ impl Estimate {
     }
 }
 
-/// Compares b of the bootstrap, of the chains' large steps, of the chains' weights and of `plain`
-/// sampling, and the weights tile by tile.
+/// Compares b of the bootstrap, of the chains' large steps, of the chains' weights and of `independent`
+/// samples, and the weights tile by tile.
 pub fn normalisation(
     bootstrap: &Bootstrap,
     histories: &[History],
-    plain: &Plain,
-    weighing: Weighing,
+    independent: &IndependentEstimate,
+    weights: KelemenWeights,
 ) -> (Normalisation, Vec<Check>) {
     let large = histories
         .iter()
         .fold(Moments::default(), |moments, history| {
             moments.merge(&history.counters.large_densities)
         });
-    let mut weights = Weights::new(histories, weighing, &bootstrap.moments);
+    let mut weights = WeightedHistories::new(histories, weights, &bootstrap.moments);
     let square = weights.of(&|part| part.square).value;
     let uniform = |name, mean, count| Estimate::uniform(name, mean, count, square);
     let boot = uniform("bootstrap", bootstrap.moments.mean, bootstrap.moments.count);
     let large = uniform("large steps", large.mean, large.count);
     weights.b_error = boot.standard_error;
-    let plain_total = uniform("plain sampling", plain.tiles.iter().sum(), plain.samples);
+    let independent_total = uniform(
+        "independent samples",
+        independent.tiles.iter().sum(),
+        independent.samples,
+    );
     let weights_total = weights.of(&|part| part.light.iter().sum());
     let tile = |i: usize| {
         let squares = weights.of(&|part| part.squares[i]).value;
-        let plain = Estimate::uniform("plain sampling", plain.tiles[i], plain.samples, squares);
-        weights.of(&|part| part.light[i]).differs_from(&plain)
+        let independent = Estimate::uniform(
+            "independent samples",
+            independent.tiles[i],
+            independent.samples,
+            squares,
+        );
+        weights.of(&|part| part.light[i]).differs_from(&independent)
     };
     let tiles: Vec<f64> = (0..TILES * TILES).filter_map(tile).collect();
     let least = (!tiles.is_empty()).then(|| holm(&tiles).into_iter().fold(1.0, f64::min));
     let tests = [
         ("b of bootstrap and large steps", boot.differs_from(&large)),
         (
-            "b of bootstrap and plain sampling",
-            boot.differs_from(&plain_total),
+            "b of bootstrap and independent samples",
+            boot.differs_from(&independent_total),
         ),
         (
-            "b of weights and plain sampling",
-            weights_total.differs_from(&plain_total),
+            "b of weights and independent samples",
+            weights_total.differs_from(&independent_total),
         ),
-        ("weights and plain sampling, tile by tile", least),
+        ("weights and independent samples, tile by tile", least),
     ];
     let check = |(name, p_value): (&str, Option<f64>)| {
         Some(Check::new(Family::Normalisation, name, p_value?))
     };
-    let estimates = vec![boot, large, plain_total, weights_total];
+    let mut estimates = vec![boot, large, independent_total, weights_total];
+    // Chains without large steps have no estimate from them.
+    estimates.retain(|estimate| estimate.standard_error.is_finite());
     (
         Normalisation { estimates },
         tests.into_iter().filter_map(check).collect(),
@@ -108,8 +119,8 @@ pub fn normalisation(
 
 /// Estimates by the weights of chains in equilibrium: b/b_0 times the chain part, plus the large-step
 /// part.
-struct Weights<'a> {
-    units: Vec<&'a [History]>,
+struct WeightedHistories<'a> {
+    clusters: Vec<&'a [History]>,
     chains: f64,
     b_0: f64,
     b: f64,
@@ -117,42 +128,45 @@ struct Weights<'a> {
     b_error: f64,
 }
 
-impl<'a> Weights<'a> {
-    fn new(histories: &'a [History], weighing: Weighing, b: &Moments) -> Self {
+impl<'a> WeightedHistories<'a> {
+    fn new(histories: &'a [History], weights: KelemenWeights, b: &Moments) -> Self {
         Self {
-            units: histories.chunk_by(|a, b| a.sample == b.sample).collect(),
+            clusters: histories.chunk_by(|a, b| a.sample == b.sample).collect(),
             chains: histories.len() as f64,
-            b_0: weighing.b,
+            b_0: weights.b,
             b: b.mean,
             b_error: b.standard_error(),
         }
     }
 
-    /// The integral that `value` names. Its variance is that of the sum over independent units, and
+    /// The integral that `value` names. Its variance is that of the sum over independent clusters, and
     /// that of b.
     fn of(&self, value: &dyn Fn(&Integrals) -> f64) -> Estimate {
         let refinement = self.b / self.b_0;
         let (mut sum, mut chain_sum) = (0.0, 0.0);
-        let mut per_unit = Vec::with_capacity(self.units.len());
-        for unit in &self.units {
-            let part = |i: usize| unit.iter().map(|h| value(&h.integrals[i])).sum::<f64>();
+        let mut per_cluster = Vec::with_capacity(self.clusters.len());
+        for cluster in &self.clusters {
+            let part = |i: usize| cluster.iter().map(|h| value(&h.integrals[i])).sum::<f64>();
             let chain = part(0);
             let total = refinement * chain + part(1);
             chain_sum += chain;
             sum += total;
-            per_unit.push((total, unit.len() as f64));
+            per_cluster.push((total, cluster.len() as f64));
         }
         let mean = sum / self.chains;
-        let squares: f64 = per_unit.iter().map(|(t, n)| (t - n * mean).powi(2)).sum();
-        let second: f64 = per_unit.iter().map(|(t, _)| t * t).sum();
-        let units = self.units.len() as f64;
-        let of_units = squares * units / (units - 1.0) / (self.chains * self.chains);
+        let squares: f64 = per_cluster
+            .iter()
+            .map(|(t, n)| (t - n * mean).powi(2))
+            .sum();
+        let second: f64 = per_cluster.iter().map(|(t, _)| t * t).sum();
+        let clusters = self.clusters.len() as f64;
+        let of_clusters = squares * clusters / (clusters - 1.0) / (self.chains * self.chains);
         let of_b = (chain_sum / self.chains / self.b_0 * self.b_error).powi(2);
         Estimate {
             name: "weights",
             value: mean,
-            standard_error: (of_units + of_b).sqrt(),
-            is_testable: sum * sum > FEWEST * second,
+            standard_error: (of_clusters + of_b).sqrt(),
+            is_testable: sum * sum > MIN_EFFECTIVE * second,
         }
     }
 }

@@ -1,20 +1,21 @@
-//! What tests look at in a state of a chain.
+//! What tests observe in a state of a chain.
 
-use crate::markov::{Sample, SmallStep, Target};
+use super::check::Check;
+use crate::markov::{Mutations, Sample, Target};
 
 /// Tiles of the image in a row and in a column.
 pub const TILES: usize = 8;
 
-/// Coordinates of the hypercube that are watched.
+/// Dimensions of the hypercube that are observed.
 pub const COORDINATES: usize = 4;
 
-/// Kinds of paths that are told apart.
+/// Kinds of paths that are distinguished.
 pub const TECHNIQUES: usize = 64;
 
-/// What a state is like, besides its density.
+/// What is observed in a state, besides its density.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
-    /// What the brightest of its paths is like.
+    /// Those of the brightest of its paths.
     pub features: Features,
     /// The parts of its density, which is their sum, by the tile in which they land; each tile once.
     pub light: Vec<(usize, f64)>,
@@ -30,10 +31,10 @@ impl Observation {
     }
 }
 
-/// What uniform points of the hypercube give, without a chain.
+/// Estimates from independent uniform samples, without a chain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plain {
-    /// Number of points.
+pub struct IndependentEstimate {
+    /// Number of samples.
     pub samples: u64,
     /// Mean of I over them, by tile.
     pub tiles: Vec<f64>,
@@ -50,7 +51,7 @@ pub struct Features {
     pub technique: usize,
     /// Length of the path in edges.
     pub length: f64,
-    /// Single coordinates of the hypercube; NaN where the state has none.
+    /// Single coordinates; NaN where the state does not use them.
     pub coordinates: [f64; COORDINATES],
 }
 
@@ -78,7 +79,7 @@ impl Features {
     pub const CELLS: usize = TILES * TILES / 4 * TECHNIQUES;
 }
 
-/// A number that chains are followed by.
+/// A scalar of the state that is followed along a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// log I(u).
@@ -95,7 +96,7 @@ impl Quantity {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::LogDensity, Self::FilmX, Self::FilmY, Self::Length];
 
-    /// What it is called in tables.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::LogDensity => "log I",
@@ -122,19 +123,24 @@ pub fn tile_at(place: [f64; 2], size: [f64; 2]) -> usize {
     index(1) * TILES + index(0)
 }
 
-/// A target whose chains can be diagnosed.
-pub trait Subject: Sync {
-    /// The target, with what tests look at.
-    type Target: Target<Contribution = Observation>;
+/// A target, and the chains that are diagnosed.
+pub trait ChainTarget: Sync {
+    /// The target, with what tests observe.
+    type Target<'t>: Target<Contribution = Observation>
+    where
+        Self: 't;
 
-    /// A target to be used by one thread.
-    fn target(&self) -> Self::Target;
+    /// A target for one thread.
+    fn target(&self) -> Self::Target<'_>;
 
-    /// Samples the target plainly, by other means than the chains as far as that can be.
-    fn plain(&self, seed: u64) -> Plain;
+    /// Kinds of mutations of the chains.
+    fn mutations(&self) -> Mutations;
 
-    /// Small steps of the chains.
-    fn small_step(&self) -> SmallStep {
-        SmallStep::default()
+    /// Estimates the target from independent samples, by other code than the chains as far as possible.
+    fn independent(&self, seed: u64) -> IndependentEstimate;
+
+    /// Tests of what only this target has.
+    fn own_checks(&self, _seed: u64) -> Vec<Check> {
+        Vec::new()
     }
 }

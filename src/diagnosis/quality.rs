@@ -1,4 +1,4 @@
-//! How much the chains are worth: chains that start as those of a render do, and run for long.
+//! The quality of chains: long chains that start as those of a render.
 
 use std::time::Instant;
 
@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::history::History;
-use super::observation::{Features, Quantity, Subject, TILES};
+use super::observation::{ChainTarget, Features, Quantity, TILES};
 use crate::markov::{Bootstrap, Chain, ChainCounters};
+use crate::render::{MutationStatistics, PssmltSettings};
 use crate::sampling::seeds;
 use crate::statistics::{
     autocorrelation, bulk_ess, geweke_p_value, heidelberger_welch,
@@ -29,12 +30,12 @@ const LAGS: usize = 8;
 /// p-value of Geweke's and of Heidelberger and Welch's test below which a chain is counted.
 const ALPHA: f64 = 0.05;
 
-/// What chains are worth.
+/// How well long chains mix.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Quality {
-    /// Long chains, and the steps of each.
+    /// Number of long chains.
     pub chains: usize,
-    /// See there.
+    /// Steps of each.
     pub steps: u64,
     /// Different starts of these chains.
     pub starts: usize,
@@ -44,11 +45,11 @@ pub struct Quality {
     pub quantities: Vec<Mixing>,
     /// For each tile: whether the chain is in it. Rows from the top.
     pub tiles: Vec<TileMixing>,
-    /// Large and small steps: proposed and accepted, of all chains.
-    pub acceptance: [[u64; 2]; 2],
+    /// By kind of mutation, of all chains.
+    pub mutations: Vec<MutationStatistics>,
     /// Longest run of rejections of any chain.
     pub longest_rejection_run: u64,
-    /// Share of small steps accepted, by the tile of the state before; NaN where none was proposed.
+    /// Share of perturbations accepted, by the tile of the state before; NaN where none was proposed.
     #[serde(skip)]
     pub acceptance_of_tiles: Vec<f64>,
     /// Different bootstrap samples among as many starts as a render makes, and these.
@@ -97,12 +98,11 @@ pub struct TileMixing {
 }
 
 /// Runs long chains that start as a render starts them, so many steps each, under a seed.
-pub fn quality<S: Subject>(
-    subject: &S,
+pub fn quality<S: ChainTarget>(
+    chain_target: &S,
     bootstrap: &Bootstrap,
     histories: &[History],
     (steps, seed): (u64, u64),
-    large_step_probability: f32,
 ) -> Quality {
     let begin = Instant::now();
     let starts = bootstrap.starts(STARTS);
@@ -111,11 +111,9 @@ pub fn quality<S: Subject>(
         .into_par_iter()
         .enumerate()
         .map(|(i, generator)| {
-            let mut target = subject.target();
-            let start = bootstrap.generator(starts[i / PER_START]);
-            let step = subject.small_step();
-            let mut chain =
-                Chain::start(&mut target, start, generator, large_step_probability, step);
+            let mut target = chain_target.target();
+            let start = bootstrap.sample(starts[i / PER_START]);
+            let mut chain = Chain::start(&mut target, start, generator, chain_target.mutations());
             let states = (0..steps)
                 .map(|_| {
                     chain.step(&mut target);
@@ -147,7 +145,7 @@ pub fn quality<S: Subject>(
             .into_par_iter()
             .map(|tile| TileMixing::of(tile, &traces))
             .collect(),
-        acceptance: [counters.large, counters.small],
+        mutations: counters.mutations.iter().map(Into::into).collect(),
         longest_rejection_run: counters.longest_rejection_run,
         acceptance_of_tiles: acceptance_of_tiles(histories),
         distinct_starts: distinct(bootstrap),
@@ -185,7 +183,9 @@ fn mean_autocorrelation(chains: &[Vec<f64>], lags: usize) -> Vec<f64> {
 
 fn acceptance_of_tiles(histories: &[History]) -> Vec<f64> {
     let rate = |tile: usize| {
-        let counts = histories.iter().map(|h| h.small_steps[tile].map(f64::from));
+        let counts = histories
+            .iter()
+            .map(|h| h.perturbations[tile].map(f64::from));
         let [proposed, accepted] = counts.fold([0.0; 2], |[p, a], [q, b]| [p + q, a + b]);
         accepted / proposed
     };
@@ -194,7 +194,7 @@ fn acceptance_of_tiles(histories: &[History]) -> Vec<f64> {
 
 /// Starts that a render with the default number of chains makes.
 fn distinct(bootstrap: &Bootstrap) -> [usize; 2] {
-    let mut starts = bootstrap.starts(crate::render::Settings::default().chains as usize);
+    let mut starts = bootstrap.starts(PssmltSettings::default().chains as usize);
     let all = starts.len();
     starts.sort_unstable();
     starts.dedup();

@@ -1,36 +1,38 @@
-//! Steps of a chain in equilibrium lead as often from one place to another as back.
+//! A chain in equilibrium moves as often from one region to another as back.
 
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::check::{Check, Family};
-use super::history::{History, LOOKS, Transition};
+use super::history::{CHECKPOINTS, History, Transition};
 use super::invariance::count_steps;
-use super::observation::{Features, Observation, Quantity, Subject, TILES};
+use super::observation::{ChainTarget, Features, Observation, Quantity, TILES};
 use super::starts::{Start, Starts};
-use crate::markov::bootstrap::sample_generator;
-use crate::markov::{Chain, Target};
+use crate::markov::{Chain, Mutations, Target, bootstrap};
 use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::{bowker, rank_among, rank_uniformity};
 
-/// Cells of equal probability that log I is sorted into.
+/// Cells of equal probability into which log I is sorted.
 const DENSITY_CELLS: usize = 8;
 
-/// Bowker's test of symmetry for the first and the last step of all chains, large and small steps
-/// apart, over cells of log I (bounded by quantiles of `fresh` states) and over blocks of tiles.
-pub fn symmetry(fresh: &[Features], histories: &[History]) -> Vec<Check> {
+/// Bowker's test of symmetry for the first and the last step of all chains, for each kind of mutation,
+/// over cells of log I (bounded by quantiles of `fresh` states) and over blocks of tiles.
+pub fn symmetry(fresh: &[Features], histories: &[History], mutations: &Mutations) -> Vec<Check> {
     let bounds = density_bounds(fresh);
     let density_cell = |f: &Features| bounds.partition_point(|&bound| bound <= f.log_density);
     let mut checks = Vec::new();
-    for (i, step) in [1, LOOKS[LOOKS.len() - 1]].into_iter().enumerate() {
-        for (kind, large) in [("small", false), ("large", true)] {
+    for (i, step) in [1, CHECKPOINTS[CHECKPOINTS.len() - 1]]
+        .into_iter()
+        .enumerate()
+    {
+        for (kind, mutation) in mutations.names().enumerate() {
             let steps = || {
                 let all = histories.iter().map(|h| &h.transitions[i]);
-                all.filter(move |t| t.large == large)
+                all.filter(move |t| t.kind == kind)
             };
             let mut check = |what: &str, table: &[Vec<u64>]| {
-                let name = format!("Bowker, {kind} steps, {what}, step {step}");
+                let name = format!("Bowker, {mutation}s, {what}, step {step}");
                 checks.push(Check::new(
                     Family::Reversibility,
                     name,
@@ -72,12 +74,7 @@ const STRIDE: usize = 4;
 /// Rank tests after Gandy and Scott (2020, section 3) for a reversible kernel: of 16 states of a chain
 /// in equilibrium, the one at a random place is the start, drawn exactly, and those before it are made
 /// by running the same kernel backward. Its rank among them is uniform.
-pub fn ranks<S: Subject>(
-    subject: &S,
-    starts: &Starts,
-    seed: u64,
-    large_step_probability: f32,
-) -> Vec<Check> {
+pub fn ranks<S: ChainTarget>(chain_target: &S, starts: &Starts, seed: u64) -> Vec<Check> {
     let count = starts.starts.len();
     let generators = seeds::chain_generators(seed, 2 * count);
     let ranked: Vec<[usize; 4]> = starts
@@ -88,15 +85,14 @@ pub fn ranks<S: Subject>(
         .map(|(i, (start, generators))| {
             let mut rng = seeds::generator(seed, Purpose::Tests, i as u64);
             let backward = rng.random_range(0..=RANKED);
-            let mut target = subject.target();
+            let mut target = chain_target.target();
             let mut others = Vec::with_capacity(RANKED);
             for (generator, states) in generators.iter().zip([backward, RANKED - backward]) {
                 let mut chain = Chain::start(
                     &mut target,
-                    sample_generator(starts.seed, start.sample),
+                    bootstrap::sample(starts.seed, start.sample),
                     generator.clone(),
-                    large_step_probability,
-                    subject.small_step(),
+                    chain_target.mutations(),
                 );
                 walk(&mut chain, &mut target, states, &mut others);
             }

@@ -7,10 +7,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::observation::{Features, Observation, Subject};
-use crate::markov::bootstrap::sample_generator;
-use crate::markov::{Chain, Target, systematic_resample};
-use crate::sampling::FreshCoordinates;
+use super::observation::{ChainTarget, Features, Observation};
+use crate::markov::{Chain, Target, bootstrap, systematic_resample};
 use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::Moments;
 
@@ -35,11 +33,10 @@ pub struct StartUpBias {
 }
 
 /// Measures the bias against `fresh` states, drawn exactly from the target.
-pub fn start_up_bias<S: Subject>(
-    subject: &S,
+pub fn start_up_bias<S: ChainTarget>(
+    chain_target: &S,
     fresh: &[Features],
     seed: u64,
-    large_step_probability: f32,
 ) -> Vec<StartUpBias> {
     let truth: Moments = fresh.iter().map(|f| f.log_density).collect();
     let deviation = truth.variance().sqrt();
@@ -47,7 +44,7 @@ pub fn start_up_bias<S: Subject>(
         let seed = seeds::part(seed, part);
         let paths: Vec<[f64; STEPS.len()]> = (0..REPEATS)
             .into_par_iter()
-            .filter_map(|chain| log_densities(subject, seed, [chain, size], large_step_probability))
+            .filter_map(|chain| log_densities(chain_target, seed, [chain, size]))
             .collect();
         let after = STEPS.into_iter().enumerate().map(|(i, steps)| {
             let values: Moments = paths.iter().map(|path| path[i]).collect();
@@ -68,28 +65,25 @@ pub fn start_up_bias<S: Subject>(
 }
 
 /// log I of one chain after each of [`STEPS`]; `None` if its bootstrap found no light.
-fn log_densities<S: Subject>(
-    subject: &S,
+fn log_densities<S: ChainTarget>(
+    chain_target: &S,
     seed: u64,
     [chain, size]: [u64; 2],
-    large_step_probability: f32,
 ) -> Option<[f64; STEPS.len()]> {
-    let mut target = subject.target();
+    let mut target = chain_target.target();
     let mut out = Observation::default();
     let samples = chain * size..(chain + 1) * size;
     let densities: Vec<f64> = samples
         .map(|i| {
-            let point = &mut FreshCoordinates::new(sample_generator(seed, i));
-            let density = target.evaluate(point, &mut out);
+            let density = target.evaluate(&mut bootstrap::sample(seed, i), &mut out);
             if density.is_finite() { density } else { 0.0 }
         })
         .collect();
     let mut rng = seeds::generator(seed, Purpose::Tests, chain);
     let u = rand::RngExt::random(&mut rng);
     let start = *systematic_resample(&densities, 1, u).first()?;
-    let start = sample_generator(seed, chain * size + start as u64);
-    let step = subject.small_step();
-    let mut chain = Chain::start(&mut target, start, rng, large_step_probability, step);
+    let start = bootstrap::sample(seed, chain * size + start as u64);
+    let mut chain = Chain::start(&mut target, start, rng, chain_target.mutations());
     let mut made = 0;
     Some(STEPS.map(|steps| {
         for _ in made..steps {

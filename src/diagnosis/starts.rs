@@ -4,36 +4,34 @@
 //! so that its mean is I(u)/c: the starts are then a random number of points whose intensity is
 //! proportional to I everywhere. Where c is a bound of I this is rejection sampling, and every start
 //! is independent of all others. Where no bound is known, c is chosen from a bootstrap so that few
-//! samples exceed it; those that do start several chains, which are one unit in the tests.
+//! samples exceed it; those that do start several chains, which are one cluster in the tests.
 
 use std::time::Instant;
 
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::observation::{Features, Observation, Subject};
-use crate::markov::bootstrap::sample_generator;
-use crate::markov::{Bootstrap, Target};
+use super::observation::{ChainTarget, Features, Observation};
+use crate::markov::{Bootstrap, Target, bootstrap};
 use crate::render::Observer;
-use crate::sampling::FreshCoordinates;
 use crate::sampling::seeds::{self, Purpose};
 
 /// At most this share of the starts may share their place with another one, as far as the bootstrap
 /// can tell.
 const SHARED: f64 = 0.005;
 
-/// Uniform samples that are looked at at once.
+/// Uniform samples evaluated between two reports.
 const BATCH: u64 = 1 << 14;
 
-/// Uniform samples that one task looks at.
+/// Uniform samples of one task.
 const RUN: u64 = 256;
 
 /// A start of a chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Index of the uniform sample: chains with one index are one unit.
+    /// Index of the uniform sample: chains with one index are one cluster.
     pub sample: u64,
-    /// What is there.
+    /// The state there.
     pub features: Features,
 }
 
@@ -44,15 +42,15 @@ pub struct Starts {
     pub seed: u64,
     /// In the order of their samples.
     pub starts: Vec<Start>,
-    /// Uniform samples looked at.
+    /// Uniform samples evaluated.
     pub samples: u64,
 }
 
 impl Starts {
     /// The first `wanted` starts, or as many as there are among `most` samples; fewer if the observer
     /// stops it.
-    pub fn draw<S: Subject>(
-        subject: &S,
+    pub fn draw<S: ChainTarget>(
+        chain_target: &S,
         seed: u64,
         c: f64,
         (wanted, most): (usize, u64),
@@ -77,7 +75,7 @@ impl Starts {
                 .collect::<Vec<u64>>()
                 .into_par_iter()
                 .map(|first| {
-                    let mut target = subject.target();
+                    let mut target = chain_target.target();
                     let mut out = Observation::default();
                     (first..last.min(first + RUN))
                         .flat_map(|i| starts_at(&mut target, &mut out, [seed, i], c))
@@ -92,7 +90,7 @@ impl Starts {
     }
 
     /// Number of different samples among the starts.
-    pub fn units(&self) -> usize {
+    pub fn clusters(&self) -> usize {
         let mut samples: Vec<u64> = self.starts.iter().map(|start| start.sample).collect();
         samples.dedup();
         samples.len()
@@ -106,7 +104,7 @@ fn starts_at<T: Target<Contribution = Observation>>(
     [seed, i]: [u64; 2],
     c: f64,
 ) -> impl Iterator<Item = Start> + use<T> {
-    let density = target.evaluate(&mut FreshCoordinates::new(sample_generator(seed, i)), out);
+    let density = target.evaluate(&mut bootstrap::sample(seed, i), out);
     let coin: f64 = seeds::generator(seed, Purpose::Resampling, i).random();
     let mean = if density.is_finite() {
         density / c

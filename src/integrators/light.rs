@@ -1,60 +1,62 @@
-//! Light tracing: every vertex of a light subpath, the point on the emitter included, is joined to
-//! the lens. Technique t = 1 alone, so no weights; what is seen through smooth surfaces is missing.
+//! Light tracing: every vertex of a light subpath, the point on the light included, is connected to the
+//! lens. Technique t = 1 alone, so without weights; light that is seen through smooth surfaces is missing.
 
 use glam::Vec2;
 
-use super::{Technique, Workspace, max_edges};
+use super::{PathSampler, Workspace, max_edges};
 use crate::math::Rgb;
-use crate::path::{Heuristic, dimensions, walk_light};
-use crate::sampling::{Coordinates, Stream};
+use crate::path::{dimensions, trace_light_subpath};
+use crate::sampling::Sampler;
 use crate::scene::{RayCounts, Scene};
-use crate::technique::connect::lens_point;
-use crate::technique::{Connection, to_lens};
+use crate::technique::camera::lens_point;
+use crate::technique::{Connection, PathContribution, Technique, connect_to_camera};
 
-/// Samples one light subpath and hands every connection that carries light to `visit`.
-#[inline]
-pub fn connections<C: Coordinates>(
-    scene: &Scene,
-    heuristic: Heuristic,
-    point: &mut C,
-    workspace: &mut Workspace,
-    mut visit: impl FnMut(Technique, Connection),
-) {
-    let edges = max_edges(scene);
-    let Workspace { light, rays, .. } = workspace;
-    walk_light(
-        scene,
-        heuristic,
-        edges.saturating_sub(1),
-        point,
-        rays,
-        light,
-    );
-    if edges > 0
-        && let Some(connection) = visible_emitter(scene, point, rays)
-    {
-        visit(Technique { s: 1, t: 1 }, connection);
-    }
-    for (i, y) in (1..).zip(&light.vertices) {
-        if let Some(connection) = to_lens(scene, heuristic, y, i, point, rays) {
+/// Light tracing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LightTracer;
+
+impl PathSampler for LightTracer {
+    #[inline]
+    fn sample_paths<S: Sampler>(
+        &self,
+        scene: &Scene,
+        sampler: &mut S,
+        workspace: &mut Workspace,
+        mut visit: impl FnMut(PathContribution),
+    ) {
+        let edges = max_edges(scene);
+        let Workspace { light, rays, .. } = workspace;
+        trace_light_subpath(scene, edges.saturating_sub(1), sampler, rays, light);
+        let mut add = |s, film, connection: Connection| {
             let alone = Connection {
                 weight: 1.0,
                 ..connection
             };
-            visit(Technique { s: i + 1, t: 1 }, alone);
+            let technique = Technique::Camera { s };
+            visit(PathContribution::new(technique, film, alone));
+        };
+        if edges > 0
+            && let Some((film, connection)) = visible_light(scene, sampler, rays)
+        {
+            add(1, film, connection);
+        }
+        for (i, y) in (1..).zip(&light.vertices) {
+            if let Some((film, connection)) = connect_to_camera(scene, y, i, sampler, rays) {
+                add(i + 1, film, connection);
+            }
         }
     }
 }
 
-/// Technique (1, 1): an emitter that is seen directly, sampled for the lens. A point light or a
-/// directional one has no extent on the film and stays invisible.
-fn visible_emitter<C: Coordinates>(
+/// Technique (1, 1): a directly visible light, sampled for the lens. A point light or a directional one
+/// has no extent on the film and stays invisible.
+fn visible_light<S: Sampler>(
     scene: &Scene,
-    point: &mut C,
+    sampler: &mut S,
     rays: &mut RayCounts,
-) -> Option<Connection> {
-    let [choose, part, u, v] = point.read::<4>(Stream::Connection, dimensions::to_light(0));
-    let lens = lens_point(scene, 0, point);
+) -> Option<(Vec2, Connection)> {
+    let [choose, part, u, v] = sampler.get::<4>(dimensions::next_event(0));
+    let lens = lens_point(scene, 0, sampler);
     let from = scene.camera.lens_position(lens);
     let direct = scene
         .emitters
@@ -68,10 +70,6 @@ fn visible_emitter<C: Coordinates>(
     let (near, far) = scene
         .camera
         .visible_segment(from, direct.direction, direct.target)?;
-    let seen = value != Rgb::ZERO && scene.geometry.visible(near, far, rays);
-    seen.then_some(Connection {
-        value,
-        weight: 1.0,
-        film: Some(film),
-    })
+    let visible = value != Rgb::ZERO && scene.geometry.visible(near, far, rays);
+    visible.then_some((film, Connection { value, weight: 1.0 }))
 }

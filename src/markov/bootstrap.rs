@@ -5,10 +5,11 @@ use rayon::prelude::*;
 
 use super::Target;
 use crate::fault::{Fault, planted};
-use crate::sampling::{FreshCoordinates, seeds};
+use crate::sampling::IndependentSampler;
+use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::Moments;
 
-/// Samples evaluated between two looks at the error of b.
+/// Samples evaluated between two checks of the error of b.
 const BATCH: u64 = 1 << 14;
 
 /// When to stop.
@@ -83,10 +84,7 @@ impl Bootstrap {
                 let mut target = worker();
                 let mut out = G::Contribution::default();
                 let densities = (first..last)
-                    .map(|i| {
-                        let rng = sample_generator(self.seed, i);
-                        target.evaluate(&mut FreshCoordinates::new(rng), &mut out)
-                    })
+                    .map(|i| target.evaluate(&mut sample(self.seed, i), &mut out))
                     .collect();
                 finish(target);
                 densities
@@ -106,9 +104,9 @@ impl Bootstrap {
         }
     }
 
-    /// The generator that makes sample `i` again.
-    pub fn generator(&self, i: usize) -> rand_xoshiro::Xoshiro256PlusPlus {
-        sample_generator(self.seed, i as u64)
+    /// Sample `i`.
+    pub fn sample(&self, i: usize) -> IndependentSampler {
+        sample(self.seed, i as u64)
     }
 
     /// Moments of I over the samples of part `i` of `parts`, which are as equal in size as can be.
@@ -121,14 +119,14 @@ impl Bootstrap {
     /// Indices of the samples that `chains` chains start from, in proportion to their density; empty
     /// if no sample has any.
     pub fn starts(&self, chains: usize) -> Vec<usize> {
-        let mut rng = seeds::generator(self.seed, seeds::Purpose::Resampling, 0);
+        let mut rng = seeds::generator(self.seed, Purpose::Resampling, 0);
         systematic_resample(&self.densities, chains, rng.random())
     }
 }
 
-/// The generator that makes sample `i` of a bootstrap under `seed`.
-pub fn sample_generator(seed: u64, i: u64) -> rand_xoshiro::Xoshiro256PlusPlus {
-    seeds::generator(seed, seeds::Purpose::Bootstrap, i)
+/// Sample `i` of a bootstrap under `seed`.
+pub fn sample(seed: u64, i: u64) -> IndependentSampler {
+    IndependentSampler::new(seed, Purpose::Bootstrap, i)
 }
 
 /// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices, index i

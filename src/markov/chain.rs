@@ -12,9 +12,9 @@
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{LazyPoint, Steps, Target};
+use super::{Mutations, PrimarySample, Target};
 use crate::fault::{Fault, planted};
-use crate::sampling::{Coordinates, FreshCoordinates, Stream};
+use crate::sampling::Sampler;
 use crate::statistics::Moments;
 
 /// How often a sample counts.
@@ -37,43 +37,68 @@ pub struct Sample<T> {
     pub weights: Weights,
 }
 
-/// What happened to a chain.
+/// Proposals of one kind of mutation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MutationCounters {
+    /// The kind.
+    pub name: &'static str,
+    /// Proposals.
+    pub proposed: u64,
+    /// Of these accepted.
+    pub accepted: u64,
+}
+
+/// Events of a chain.
 #[derive(Clone, Debug, Default)]
 pub struct ChainCounters {
-    /// Large steps proposed and accepted.
-    pub large: [u64; 2],
-    /// Small steps proposed and accepted.
-    pub small: [u64; 2],
+    /// By kind of mutation, in the order of the chain's list.
+    pub mutations: Vec<MutationCounters>,
     /// Longest run of rejections.
     pub longest_rejection_run: u64,
     /// Proposals whose density was not finite.
     pub non_finite: u64,
     /// The steps, counted from 1, that proposed the first of them.
     pub non_finite_steps: Vec<u64>,
-    /// Densities met by large steps: independent uniform samples of I, whose mean is b.
+    /// Densities of the proposals of large steps: independent uniform samples of I, whose mean is b.
     pub large_densities: Moments,
 }
 
 impl ChainCounters {
     /// Most steps in `non_finite_steps`.
-    const MOST_STEPS: usize = 16;
+    const MAX_STEPS: usize = 16;
+
+    fn new(mutations: &Mutations) -> Self {
+        let counters = |name| MutationCounters {
+            name,
+            proposed: 0,
+            accepted: 0,
+        };
+        Self {
+            mutations: mutations.names().map(counters).collect(),
+            ..Self::default()
+        }
+    }
 
     /// Steps made.
     pub fn steps(&self) -> u64 {
-        self.large[0] + self.small[0]
+        self.mutations.iter().map(|kind| kind.proposed).sum()
     }
 
     /// Steps that were accepted.
     pub fn accepted(&self) -> u64 {
-        self.large[1] + self.small[1]
+        self.mutations.iter().map(|kind| kind.accepted).sum()
     }
 
-    /// Adds what happened to another chain, but for its `non_finite_steps`, which mean nothing
-    /// outside of that chain.
+    /// Adds the events of another chain with the same kinds of mutations, except its `non_finite_steps`,
+    /// which mean nothing outside of that chain.
     pub fn merge(&mut self, other: &Self) {
-        for i in 0..2 {
-            self.large[i] += other.large[i];
-            self.small[i] += other.small[i];
+        if self.mutations.is_empty() {
+            self.mutations.clone_from(&other.mutations);
+        } else {
+            for (kind, more) in self.mutations.iter_mut().zip(&other.mutations) {
+                kind.proposed += more.proposed;
+                kind.accepted += more.accepted;
+            }
         }
         self.longest_rejection_run = self.longest_rejection_run.max(other.longest_rejection_run);
         self.non_finite += other.non_finite;
@@ -83,72 +108,34 @@ impl ChainCounters {
 
 /// A chain with its own stream of random numbers.
 pub struct Chain<T> {
-    point: LazyPoint,
-    large_step_probability: f32,
+    state: PrimarySample,
     current: Sample<T>,
     proposal: Sample<T>,
     rejection_run: u64,
-    /// What happened so far.
+    /// Events so far.
     pub counters: ChainCounters,
 }
 
-/// Coordinates of a point found elsewhere, set into a lazy point as they are read.
-pub struct Recording<'a, C> {
-    source: C,
-    point: &'a mut LazyPoint,
-}
-
-impl<'a, C: Coordinates> Recording<'a, C> {
-    /// Coordinates of `source`, set into `point`.
-    pub fn new(source: C, point: &'a mut LazyPoint) -> Self {
-        Self { source, point }
-    }
-}
-
-impl<C: Coordinates> Coordinates for Recording<'_, C> {
-    fn read<const N: usize>(&mut self, stream: Stream, first: usize) -> [f32; N] {
-        let values = self.source.read::<N>(stream, first);
-        self.point.set(stream, first, &values);
-        values
-    }
-}
-
 impl<T: Default> Chain<T> {
-    /// A chain that starts at the point which `start` generates: that of a bootstrap sample. All
-    /// further numbers come from `rng`, so two chains with one start go separate ways.
+    /// A chain that starts at the sample `start`. All further numbers come from `rng`, so that two chains
+    /// from one start are different chains.
     pub fn start<G: Target<Contribution = T>>(
         target: &mut G,
-        start: Xoshiro256PlusPlus,
+        start: impl Sampler,
         rng: Xoshiro256PlusPlus,
-        large_step_probability: f32,
-        steps: impl Into<Steps>,
+        mutations: Mutations,
     ) -> Self {
-        let mut point = LazyPoint::new(rng, steps);
+        let counters = ChainCounters::new(&mutations);
+        let mut state = PrimarySample::new(rng, mutations);
         let mut current = Sample::default();
-        let mut recording = Recording::new(FreshCoordinates::new(start), &mut point);
-        current.density = target.evaluate(&mut recording, &mut current.contribution);
-        Self::at(point, current, large_step_probability)
-    }
-
-    /// A chain that starts at `point`, whose coordinates have been set as far as the target reads them.
-    pub fn start_at<G: Target<Contribution = T>>(
-        target: &mut G,
-        mut point: LazyPoint,
-        large_step_probability: f32,
-    ) -> Self {
-        let mut current = Sample::default();
-        current.density = target.evaluate(&mut point, &mut current.contribution);
-        Self::at(point, current, large_step_probability)
-    }
-
-    fn at(point: LazyPoint, current: Sample<T>, large_step_probability: f32) -> Self {
+        let mut start = state.starting_at(start);
+        current.density = target.evaluate(&mut start, &mut current.contribution);
         Self {
-            point,
-            large_step_probability,
+            state,
             current,
             proposal: Sample::default(),
             rejection_run: 0,
-            counters: ChainCounters::default(),
+            counters,
         }
     }
 
@@ -157,47 +144,61 @@ impl<T: Default> Chain<T> {
         &self.current
     }
 
-    /// Takes the weight that the state has gathered, at the end of a run: what is gathered after
-    /// that starts from 0.
+    /// Takes the weight that the state has gathered, at the end of a run: its weight then starts from 0.
     pub fn take_weights(&mut self) -> Weights {
         std::mem::take(&mut self.current.weights)
     }
 
-    /// One mutation. Returns the sample that will gather no more weight: the old state if the
-    /// proposal was accepted, else the proposal.
+    /// The kinds of mutations.
+    pub fn mutations(&self) -> &Mutations {
+        self.state.mutations()
+    }
+
+    /// One mutation. Returns the number of its kind, and the sample that gathers no more weight: the old
+    /// state if the proposal was accepted, else the proposal.
     #[inline]
-    pub fn step<G: Target<Contribution = T>>(&mut self, target: &mut G) -> &Sample<T> {
-        let large = self.point.rng().random::<f32>() < self.large_step_probability;
-        self.point.propose(large);
-        let density = target.evaluate(&mut self.point, &mut self.proposal.contribution);
+    pub fn step<G: Target<Contribution = T>>(&mut self, target: &mut G) -> (usize, &Sample<T>) {
+        // Propose.
+        let kind = self.state.propose();
+        let density = target.evaluate(&mut self.state, &mut self.proposal.contribution);
+
+        // Weigh both by the acceptance probability.
         let mut acceptance = self.acceptance(density);
         if planted(Fault::ForcedAcceptance) && self.rejection_run >= 8 && density > 0.0 {
             acceptance = 1.0;
         }
+        let large = self.state.mutations().kind(kind).is_large_step();
         self.proposal.density = density;
         self.proposal.weights = Weights {
             chain: acceptance,
             large: f64::from(u8::from(large)),
         };
         self.current.weights.chain += 1.0 - acceptance;
-        let accepted = self.point.rng().random::<f64>() < acceptance;
-        self.count(large, accepted, density);
+
+        // Accept or reject.
+        let accepted = self.state.rng().random::<f64>() < acceptance;
+        self.count(kind, accepted, density);
         if accepted {
-            self.point.accept();
+            self.state.accept();
             std::mem::swap(&mut self.current, &mut self.proposal);
         } else {
-            self.point.reject();
+            self.state.reject();
         }
-        &self.proposal
+        (kind, &self.proposal)
     }
 
-    /// a = min(1, I(v) / I(u)); a proposal without a finite density is never accepted, and any
-    /// other is, if the chain stands where there is no light.
+    /// a = min(1, I(v) q(v -> u) / (I(u) q(u -> v))). A proposal without a finite density is never
+    /// accepted; any other is accepted if the density of the state is 0.
+    #[inline]
     fn acceptance(&self, proposed: f64) -> f64 {
         if !proposed.is_finite() {
             0.0
         } else if self.current.density > 0.0 {
             let mut ratio = proposed / self.current.density;
+            let log_density_ratio = self.state.log_density_ratio();
+            if log_density_ratio != 0.0 {
+                ratio *= log_density_ratio.exp();
+            }
             if planted(Fault::InvertedRatio) {
                 ratio = 1.0 / ratio;
             }
@@ -210,22 +211,19 @@ impl<T: Default> Chain<T> {
         }
     }
 
-    fn count(&mut self, large: bool, accepted: bool, density: f64) {
+    #[inline]
+    fn count(&mut self, kind: usize, accepted: bool, density: f64) {
         let counters = &mut self.counters;
-        let kind = if large {
-            &mut counters.large
-        } else {
-            &mut counters.small
-        };
-        kind[0] += 1;
-        kind[1] += u64::from(accepted);
+        let mutation = &mut counters.mutations[kind];
+        mutation.proposed += 1;
+        mutation.accepted += u64::from(accepted);
         if !density.is_finite() {
             counters.non_finite += 1;
-            if counters.non_finite_steps.len() < ChainCounters::MOST_STEPS {
+            if counters.non_finite_steps.len() < ChainCounters::MAX_STEPS {
                 counters.non_finite_steps.push(counters.steps());
             }
         }
-        if large {
+        if self.state.mutations().kind(kind).is_large_step() {
             counters
                 .large_densities
                 .add(if density.is_finite() { density } else { 0.0 });

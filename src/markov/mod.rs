@@ -1,4 +1,4 @@
-//! Metropolis-Hastings in the unit hypercube, for any target: nothing here knows what light is.
+//! Metropolis-Hastings in the unit hypercube, for any target: nothing here depends on light.
 //!
 //! The state is a point u of [0,1)^inf, read lazily, and the target is a scalar I(u) >= 0 (Kelemen
 //! et al. 2002, "A simple and robust mutation strategy for the Metropolis light transport
@@ -6,24 +6,24 @@
 
 pub mod bootstrap;
 pub mod chain;
+pub mod kelemen;
 pub mod mutation;
-pub mod point;
-pub mod weighing;
+pub mod primary_sample;
 
 pub use bootstrap::{Bootstrap, BootstrapLimits, systematic_resample};
-pub use chain::{Chain, ChainCounters, Recording, Sample, Weights};
-pub use mutation::{SmallStep, Steps};
-pub use point::LazyPoint;
-pub use weighing::Weighing;
+pub use chain::{Chain, ChainCounters, MutationCounters, Sample, Weights};
+pub use kelemen::KelemenWeights;
+pub use mutation::{Mutation, Mutations, Perturbation, SmallStep};
+pub use primary_sample::PrimarySample;
 
-use crate::sampling::Coordinates;
+use crate::sampling::Sampler;
 
 /// A target on the hypercube.
 pub trait Target {
-    /// What the point gives besides its density, kept with the state of a chain.
+    /// What a point gives besides its density, kept with the state of a chain.
     type Contribution: Default;
 
-    /// Evaluates the target at `point` and writes what it gives into `out`, which holds an old
-    /// contribution to be overwritten. Returns I(u) >= 0, or NaN if it has no finite value there.
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Self::Contribution) -> f64;
+    /// Evaluates the target at the point that `sampler` stands for and writes its contribution into `out`,
+    /// which holds an old one to be overwritten. Returns I(u) >= 0, or NaN if it has no finite value there.
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut Self::Contribution) -> f64;
 }

@@ -1,149 +1,122 @@
-//! Weights of techniques in O(1), from quantities carried along the subpaths (van Antwerpen 2011,
+//! MIS weights of techniques in O(1), from partial sums carried along the subpaths (van Antwerpen 2011,
 //! "Recursive MIS computation for streaming BDPT on the GPU"; Georgiev 2012, "Implementing vertex
 //! connection and merging", here without merging).
 //!
-//! Let technique s make the path x_0 ... x_k with density p_s, and let h be the heuristic's power.
-//! The weight of technique s is 1 / (1 + L + C), where L sums h(p_i / p_s) over the techniques with
+//! Let technique s sample the path x_0 ... x_k with density p_s, and let h(p) = p^2 be the power of the
+//! power heuristic (Veach 1997, section 9.2, beta = 2). The weight of technique s is 1 / (1 + L + C), where L sums h(p_i / p_s) over the techniques with
 //! fewer light vertices, i < s, and C over those with fewer camera vertices, i > s.
 //!
-//! Two neighbouring techniques differ in who sampled one vertex. Seen along one subpath x_0, x_1, ...
-//! let f_i be the density with which that subpath samples x_i, and b_i the one with which the other
-//! subpath would. Then the sum over the techniques that end this subpath before x_i is
+//! Two neighbouring techniques differ in the subpath that samples one vertex. Along one subpath x_0, x_1,
+//! ... let f_i be the density with which this subpath samples x_i, and b_i the density with which the
+//! other subpath samples it. Then the sum over the techniques that end this subpath before x_i is
 //!
 //!   S_i = h(b_i / f_i) (v_i + S_{i-1}),                                                      (1)
 //!
-//! with v_i = 1 if technique i can join x_{i-1} and x_i, that is, if neither scatters by a delta
-//! lobe on this path. Now b_{i-1} = r_i g_i, where r_i is the density per steradian of sampling the
+//! with v_i = 1 if technique i can connect x_{i-1} and x_i, that is, if neither scatters by a delta lobe
+//! on this path, and v_i = 0 otherwise. Now b_{i-1} = r_i g_i, where r_i is the density per steradian of sampling the
 //! direction from x_i to x_{i-1} and g_i = |cos at x_{i-1}| / d^2. So with
 //!
 //!   C_i = h(g_i / f_{i-1}) (v_{i-1} + h(r_{i-1}) C_{i-1}),                                   (2)
 //!   S_i = h(b_i / f_i) (v_i + h(r_i) C_i),                                                   (3)
 //!
-//! everything in C_i is known when x_i is sampled, and (3) needs only what a connection knows.
+//! everything in C_i is known when x_i is sampled, and the rest of (3) is known to the connection.
 //!
-//! Technique s = 1 samples y_0 for the point it lights, with density p_direct and not with the p_pos
-//! of a light subpath. Then f_0 = p_direct and f_1 carries the factor p_pos / p_direct.
+//! Technique s = 1 samples y_0 given the point that it lights, with density p_direct instead of the
+//! density p_pos of a light subpath. Then f_0 = p_direct and f_1 carries the factor p_pos / p_direct.
 //!
-//! Russian roulette is in no density: leaving it out of all techniques alike keeps the sum of the
-//! weights at 1 and every density computable from either side.
+//! No density contains the survival probabilities of Russian roulette. They are left out of all
+//! techniques alike, which keeps the sum of the weights at 1 and every density computable from either
+//! end of the path.
 
-/// How the densities of techniques are weighed against each other (Veach 1997, section 9.2).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Heuristic {
-    /// In proportion to the density.
-    Balance,
-    /// In proportion to its square: beta = 2.
-    #[default]
-    Power,
+/// h(p) = p^2: the power heuristic (Veach 1997, section 9.2).
+#[inline]
+pub fn h(p: f64) -> f64 {
+    p * p
 }
 
-impl Heuristic {
-    /// h(p): the power to which the heuristic raises a ratio of densities.
-    #[inline]
-    pub fn power(self, p: f64) -> f64 {
-        match self {
-            Self::Balance => p,
-            Self::Power => p * p,
-        }
-    }
+/// The weight of a technique, given L and C: the sums over the techniques with fewer light vertices and
+/// with fewer camera vertices.
+#[inline]
+pub fn weight(light: f64, camera: f64) -> f32 {
+    (1.0 / (1.0 + light + camera)) as f32
 }
 
 /// What a subpath carries at its vertex x_i, i >= 1, for the weights of all techniques.
-#[derive(Clone, Copy, Debug)]
-pub struct Carried {
-    /// f_i: density with which the subpath samples x_i, relative to that of its predecessors; per
-    /// unit area (per steradian at infinity).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PartialMis {
+    /// f_i: density with which the subpath samples x_i given its predecessors, per unit area (per
+    /// steradian at infinity).
     pub forward: f64,
     /// C_i of (2).
     pub partial: f64,
-    /// v_i of (1), provided that x_i itself does not scatter by a delta lobe: x_{i-1} does not.
-    pub joinable: bool,
+    /// v_i of (1), provided that x_i itself does not scatter by a delta lobe: true if x_{i-1} does not.
+    pub connectible: bool,
 }
 
-impl Carried {
-    /// At the first surface vertex of a camera subpath, sampled with density `forward`. The lens is
-    /// never hit (no technique t = 0), so C_1 = 0.
+impl PartialMis {
+    /// At the first vertex of a camera subpath, sampled with density `forward`. No technique lets light
+    /// subpaths hit the lens (t = 0), so C_1 = 0.
     #[inline]
     pub fn after_lens(forward: f64) -> Self {
         Self {
             forward,
             partial: 0.0,
-            joinable: true,
+            connectible: true,
         }
     }
 
-    /// At the first surface vertex of a light subpath. `forward` is the area density there,
-    /// `pdf_position` and `pdf_direct` are the densities of y_0 for s >= 2 and s = 1, `geometry` is
-    /// g_1, and `can_be_hit` tells whether technique s = 0 exists.
+    /// At the first vertex of a light subpath. `forward` is the area density there, `pdf_position` and
+    /// `pdf_direct` are the densities of y_0 for s >= 2 and s = 1, `jacobian` is g_1, and `can_be_hit`
+    /// tells whether technique s = 0 exists.
     #[inline]
-    pub fn after_emitter(
-        heuristic: Heuristic,
+    pub fn after_light(
         forward: f64,
         pdf_position: f64,
         pdf_direct: f64,
-        geometry: f64,
+        jacobian: f64,
         can_be_hit: bool,
     ) -> Self {
-        // Rounding may put x_1 where y_0 turns its dark side; then technique s = 1 cannot make the path
+        // Rounding may put x_1 behind the emitting side of y_0. Then technique s = 1 cannot make the path
         // and `forward` becomes infinite: no technique with fewer vertices counts.
         let hit = if can_be_hit && pdf_direct > 0.0 {
-            heuristic.power(geometry / pdf_direct)
+            h(jacobian / pdf_direct)
         } else {
             0.0
         };
         Self {
             forward: forward * (pdf_position / pdf_direct),
             partial: hit,
-            joinable: true,
+            connectible: true,
         }
     }
 
-    /// At x_{i+1}, given what x_i carries (`self`), the density `reverse` per steradian of going
-    /// from x_{i+1}'s direction back to x_{i-1}, whether x_i scattered by a delta lobe, g_{i+1} and
-    /// f_{i+1}: equation (2).
+    /// At x_{i+1}, given the values at x_i (`self`), the density `reverse` per steradian of scattering
+    /// at x_i from x_{i+1} to x_{i-1}, whether x_i scattered by a delta lobe, g_{i+1} and f_{i+1}:
+    /// equation (2).
     #[inline]
-    pub fn extend(
-        &self,
-        heuristic: Heuristic,
-        reverse: f64,
-        delta: bool,
-        geometry: f64,
-        forward: f64,
-    ) -> Self {
-        let join = if self.joinable && !delta { 1.0 } else { 0.0 };
+    pub fn extend(&self, reverse: f64, delta: bool, jacobian: f64, forward: f64) -> Self {
+        let connect = if self.connectible && !delta { 1.0 } else { 0.0 };
         Self {
             forward,
-            partial: heuristic.power(geometry / self.forward)
-                * (join + heuristic.power(reverse) * self.partial),
-            joinable: !delta,
+            partial: h(jacobian / self.forward) * (connect + h(reverse) * self.partial),
+            connectible: !delta,
         }
     }
 
     /// S_i of (3): `other` is b_i, the density at x_i of the other subpath, and `reverse` is r_i.
     #[inline]
-    pub fn sum(&self, heuristic: Heuristic, other: f64, reverse: f64) -> f64 {
-        let join = if self.joinable { 1.0 } else { 0.0 };
-        heuristic.power(other / self.forward) * (join + heuristic.power(reverse) * self.partial)
+    pub fn sum(&self, other: f64, reverse: f64) -> f64 {
+        let connect = if self.connectible { 1.0 } else { 0.0 };
+        h(other / self.forward) * (connect + h(reverse) * self.partial)
     }
 
-    /// S_i where x_i lies on an emitter that a camera subpath has met (technique s = 0). The other
+    /// S_i where x_i lies on a light that a camera subpath has hit (technique s = 0). The other
     /// techniques sample it with `pdf_direct` (s = 1) or with `pdf_position`, going on to x_{i-1}
     /// with `pdf_direction` (s >= 2). Equation (3) with r_i = pdf_direction pdf_position /
     /// pdf_direct, multiplied out so that no density is divided by.
     #[inline]
-    pub fn sum_on_emitter(
-        &self,
-        heuristic: Heuristic,
-        pdf_direct: f64,
-        pdf_position: f64,
-        pdf_direction: f64,
-    ) -> f64 {
-        let join = if self.joinable {
-            heuristic.power(pdf_direct)
-        } else {
-            0.0
-        };
-        (join + heuristic.power(pdf_position * pdf_direction) * self.partial)
-            / heuristic.power(self.forward)
+    pub fn sum_on_light(&self, pdf_direct: f64, pdf_position: f64, pdf_direction: f64) -> f64 {
+        let connect = if self.connectible { h(pdf_direct) } else { 0.0 };
+        (connect + h(pdf_position * pdf_direction) * self.partial) / h(self.forward)
     }
 }

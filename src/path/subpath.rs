@@ -1,41 +1,41 @@
-//! Random walks from the lens and from the emitters.
+//! Random walks from the lens and from the lights.
 
 use glam::{Vec2, Vec3A};
 
 use super::dimensions;
-use super::endpoint::Escape;
-use super::mis::{Carried, Heuristic};
+use super::environment::EnvironmentVertex;
+use super::mis::PartialMis;
 use super::vertex::Vertex;
 use crate::fault::{Fault, planted};
 use crate::math::Rgb;
-use crate::sampling::{Coordinates, Stream};
+use crate::sampling::Sampler;
 use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
 
-/// Russian roulette, once it plays, lets no subpath survive its i-th vertex with a greater probability
-/// than this, so that every subpath ends, even where no light is ever absorbed.
+/// Upper bound on the survival probability at the i-th vertex once Russian roulette is active, so that
+/// every subpath ends even where no light is absorbed.
 ///
-/// There it has n vertices with a probability that falls as n^-3, so that the mean of n^2 is finite,
-/// and with it the work of joining two subpaths: some 75 vertices on average. Its weight grows as
-/// n^3. With the same bound at every vertex, as is common (0.95, say), the weight grows as 0.95^-n:
-/// where a bounce loses less than 1 - sqrt(0.95) = 2.5% of the light, the variance is then infinite
-/// and most images are too dark. Here it is finite wherever a bounce loses anything at all.
+/// With this bound the probability that a subpath reaches n vertices falls as n^-3. The mean of n^2 is
+/// then finite, and with it the cost of connecting two subpaths; the mean of n is about 75. The weight of
+/// a surviving subpath grows as n^3. A constant bound, as is common (0.95, say), makes it grow as
+/// 0.95^-n: where a bounce loses less than 1 - sqrt(0.95) = 2.5% of the light the variance is then
+/// infinite, and most images are too dark. Here it is finite wherever a bounce loses any light.
 #[inline]
-fn greatest_survival(i: usize) -> f32 {
+fn max_survival(i: usize) -> f32 {
     1.0 - 3.0 / (150.0 + i as f32)
 }
 
-/// Room for this many vertices is made at once; longer subpaths grow it.
+/// Vertices for which memory is reserved at once; longer subpaths grow it.
 const CAPACITY: usize = 64;
 
-/// The surface vertices of a subpath; element i is z_{i+1} or y_{i+1}.
+/// The vertices of a subpath; element i is z_{i+1} or y_{i+1}.
 #[derive(Debug)]
 pub struct Subpath {
-    /// Where it begins: a point on the lens, or y_0.
+    /// z_0, a point on the lens, or y_0.
     pub start: Vec3A,
     /// In the order of the walk.
     pub vertices: Vec<Vertex>,
     /// Set if a camera subpath left the scene after the last vertex.
-    pub escape: Option<Escape>,
+    pub environment: Option<EnvironmentVertex>,
 }
 
 impl Default for Subpath {
@@ -43,7 +43,25 @@ impl Default for Subpath {
         Self {
             start: Vec3A::ZERO,
             vertices: Vec::with_capacity(CAPACITY),
-            escape: None,
+            environment: None,
+        }
+    }
+}
+
+impl Subpath {
+    /// Removes all vertices.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.vertices.clear();
+        self.environment = None;
+    }
+
+    /// Position of the predecessor of element `i`.
+    #[inline]
+    pub fn position_before(&self, i: usize) -> Vec3A {
+        match i {
+            0 => self.start,
+            _ => self.vertices[i - 1].position(),
         }
     }
 }
@@ -51,7 +69,7 @@ impl Default for Subpath {
 /// The step from one vertex to the next.
 struct Step {
     ray: Ray,
-    /// Point that the ray really starts from, before it is moved off its surface.
+    /// The vertex that the step leaves, before the ray's origin is moved off its surface.
     from: Vec3A,
     /// Throughput on arrival.
     throughput: Rgb,
@@ -60,66 +78,67 @@ struct Step {
     kind: StepKind,
 }
 
-/// What the step leaves, as far as weights care.
+/// The vertex that the step leaves, as far as weights depend on it.
 enum StepKind {
     Lens,
-    Emitter { sample: EmissionSample },
-    Surface { reverse: f64, delta: bool, cos: f64 },
+    Light {
+        sample: EmissionSample,
+    },
+    Surface {
+        /// r_i of [`super::mis`].
+        reverse: f64,
+        delta: bool,
+        cos: f64,
+    },
 }
 
-/// Walks from the lens through film position `film` and appends at most `max_vertices` surface
-/// vertices to `subpath`, which is emptied first.
+/// Traces a camera subpath through film position `film` and stores at most `max_vertices` surface
+/// vertices in `subpath`.
 #[inline]
-pub fn walk_camera<C: Coordinates>(
+pub fn trace_camera_subpath<S: Sampler>(
     scene: &Scene,
-    heuristic: Heuristic,
     film: Vec2,
     max_vertices: usize,
-    point: &mut C,
+    sampler: &mut S,
     counts: &mut RayCounts,
     subpath: &mut Subpath,
 ) {
     let lens = if scene.camera.is_pinhole() {
         Vec2::ZERO
     } else {
-        Vec2::from(point.read::<2>(Stream::Camera, dimensions::LENS))
+        Vec2::from(sampler.get::<2>(dimensions::LENS))
     };
     let (ray, from) = scene.camera.ray(film, lens);
-    let pdf = f64::from(scene.camera.direction_pdf(ray.direction));
     let first = Step {
         ray,
         from,
         throughput: Rgb::ONE,
-        pdf,
+        pdf: f64::from(scene.camera.direction_pdf(ray.direction)),
         kind: StepKind::Lens,
     };
     let mut walk = Walk {
         scene,
-        heuristic,
         mode: TransportMode::Radiance,
         counts,
         subpath,
     };
-    walk.run(first, max_vertices, point);
+    walk.run(first, max_vertices, sampler);
 }
 
-/// Walks from an emitter and appends at most `max_vertices` surface vertices to `subpath`, which is
-/// emptied first.
+/// Traces a light subpath and stores at most `max_vertices` surface vertices in `subpath`.
 #[inline]
-pub fn walk_light<C: Coordinates>(
+pub fn trace_light_subpath<S: Sampler>(
     scene: &Scene,
-    heuristic: Heuristic,
     max_vertices: usize,
-    point: &mut C,
+    sampler: &mut S,
     counts: &mut RayCounts,
     subpath: &mut Subpath,
 ) {
-    subpath.vertices.clear();
-    subpath.escape = None;
+    subpath.clear();
     if max_vertices == 0 {
         return;
     }
-    let [choose, part, x, y, a, b] = point.read::<6>(Stream::Light, dimensions::EMISSION);
+    let [choose, part, x, y, a, b] = sampler.get::<6>(dimensions::EMISSION);
     let sample = scene
         .emitters
         .sample_emission(choose, part, Vec2::new(x, y), Vec2::new(a, b));
@@ -134,21 +153,19 @@ pub fn walk_light<C: Coordinates>(
         from: sample.position,
         throughput: sample.weight,
         pdf: f64::from(sample.pdf_direction),
-        kind: StepKind::Emitter { sample },
+        kind: StepKind::Light { sample },
     };
     let mut walk = Walk {
         scene,
-        heuristic,
         mode: TransportMode::Importance,
         counts,
         subpath,
     };
-    walk.run(first, max_vertices, point);
+    walk.run(first, max_vertices, sampler);
 }
 
 struct Walk<'a> {
     scene: &'a Scene,
-    heuristic: Heuristic,
     mode: TransportMode,
     counts: &'a mut RayCounts,
     subpath: &'a mut Subpath,
@@ -156,12 +173,11 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     #[inline]
-    fn run<C: Coordinates>(&mut self, first: Step, max_vertices: usize, point: &mut C) {
+    fn run<S: Sampler>(&mut self, first: Step, max_vertices: usize, sampler: &mut S) {
+        self.subpath.clear();
         self.subpath.start = first.from;
-        self.subpath.vertices.clear();
-        self.subpath.escape = None;
         let mut step = first;
-        // Product of the scattering weights, without what the emitter gave: for Russian roulette.
+        // Product of the scattering weights, without the emission: for Russian roulette.
         let mut survival = Rgb::ONE;
         for i in 1..=max_vertices {
             let Some(vertex) = self.arrive(&step) else {
@@ -171,84 +187,86 @@ impl Walk<'_> {
             if i == max_vertices {
                 return;
             }
-            let Some(next) = self.scatter(&vertex, i, &mut survival, point) else {
+            let Some(next) = self.scatter(&vertex, i, &mut survival, sampler) else {
                 return;
             };
             step = next;
         }
     }
 
-    /// The vertex at the end of `step`; `None` if there is none.
+    /// The vertex at the end of `step`; `None` if the ray leaves the scene.
     #[inline]
     fn arrive(&mut self, step: &Step) -> Option<Vertex> {
         let Some(surface) = self.scene.geometry.intersect(&step.ray, self.counts) else {
             if self.mode == TransportMode::Radiance {
-                self.subpath.escape = Some(self.escape(step));
+                self.subpath.environment = Some(self.leave(step));
             }
             return None;
         };
+        let mut vertex = Vertex {
+            material: self.scene.geometry.material(surface.shape),
+            surface,
+            to_previous: -step.ray.direction,
+            throughput: step.throughput,
+            mis: PartialMis::default(),
+        };
+        vertex.mis = self.partial_mis(step, &vertex)?;
+        Some(vertex)
+    }
+
+    /// The partial MIS sums at `vertex`, the end of `step`.
+    #[inline]
+    fn partial_mis(&self, step: &Step, vertex: &Vertex) -> Option<PartialMis> {
         let direction = step.ray.direction;
-        let distance_squared = f64::from((surface.position - step.from).length_squared());
-        let cos = f64::from(surface.geometric_normal.dot(direction).abs());
-        let carried = match &step.kind {
-            StepKind::Lens => Carried::after_lens(step.pdf * cos / distance_squared),
-            StepKind::Emitter { sample } => {
-                let spread = if sample.infinite {
-                    1.0
+        let distance_squared = f64::from((vertex.position() - step.from).length_squared());
+        Some(match &step.kind {
+            StepKind::Lens => {
+                PartialMis::after_lens(vertex.density(step.pdf, direction, distance_squared))
+            }
+            StepKind::Light { sample } => {
+                // Densities of directions from infinity are per unit area already.
+                let (distance_squared, jacobian) = if sample.infinite {
+                    (1.0, 1.0)
                 } else {
-                    distance_squared.recip()
+                    let cos = f64::from(sample.normal.dot(direction).abs());
+                    (distance_squared, cos / distance_squared)
                 };
-                // g_1: how a density per steradian at y_1 becomes the native one at y_0.
-                let emitter_cos = f64::from(sample.normal.dot(direction).abs());
-                let geometry = if sample.infinite {
-                    1.0
-                } else {
-                    emitter_cos * spread
-                };
-                Carried::after_emitter(
-                    self.heuristic,
-                    step.pdf * cos * spread,
+                let pdf_direct = self.scene.emitters.direct_pdf(sample, vertex.position());
+                PartialMis::after_light(
+                    vertex.density(step.pdf, direction, distance_squared),
                     f64::from(sample.pdf_position),
-                    f64::from(self.scene.emitters.direct_pdf(sample, surface.position)),
-                    geometry,
+                    f64::from(pdf_direct),
+                    jacobian,
                     !sample.delta,
                 )
             }
             StepKind::Surface {
                 reverse,
                 delta,
-                cos: previous_cos,
-            } => self.subpath.vertices.last()?.carried.extend(
-                self.heuristic,
+                cos,
+            } => self.subpath.vertices.last()?.mis.extend(
                 *reverse,
                 *delta,
-                previous_cos / distance_squared,
-                step.pdf * cos / distance_squared,
+                cos / distance_squared,
+                vertex.density(step.pdf, direction, distance_squared),
             ),
-        };
-        Some(Vertex {
-            material: self.scene.geometry.material(surface.shape),
-            surface,
-            to_previous: -direction,
-            throughput: step.throughput,
-            carried,
         })
     }
 
-    /// Where the subpath goes from `vertex`, the i-th; `None` if it ends.
+    /// The step from `vertex`, the i-th, to the next; `None` if the subpath ends.
     #[inline]
-    fn scatter<C: Coordinates>(
+    fn scatter<S: Sampler>(
         &self,
         vertex: &Vertex,
         i: usize,
         survival: &mut Rgb,
-        point: &mut C,
+        sampler: &mut S,
     ) -> Option<Step> {
-        let (stream, block) = match self.mode {
-            TransportMode::Radiance => (Stream::Camera, dimensions::camera_vertex(i)),
-            TransportMode::Importance => (Stream::Light, dimensions::light_vertex(i)),
+        let block = match self.mode {
+            TransportMode::Radiance => dimensions::camera_vertex(i),
+            TransportMode::Importance => dimensions::light_vertex(i),
         };
-        let [lobe, u, v, roulette] = point.read::<{ dimensions::PER_VERTEX }>(stream, block);
+        let [lobe, u, v, roulette] = sampler.get::<{ dimensions::PER_VERTEX }>(block);
         let surface = &vertex.surface;
         let from = surface.shading.to_local(vertex.to_previous);
         let material = &self.scene.materials[vertex.material as usize];
@@ -256,7 +274,7 @@ impl Walk<'_> {
         let sample =
             material.sample(&self.scene.textures, surface.uv, from, self.mode, lobe, uv)?;
         let direction = surface.shading.to_world(sample.direction);
-        let cos = surface.geometric_normal.dot(direction).abs();
+        let cos = vertex.abs_cos(direction);
         let mut weight = sample.weight;
         if self.mode == TransportMode::Importance && !planted(Fault::AdjointLeftOut) {
             // Adjoint for shading normals (Veach 1997, eq. 5.19).
@@ -267,14 +285,14 @@ impl Walk<'_> {
             };
             weight *= vertex.shading_over_geometric_cos(from.z) * sampled.abs();
         }
-        // The throughput of a camera subpath shrinks on entering a denser medium and grows back on
-        // leaving it; the roulette must not mistake that for absorption.
+        // The throughput of a camera subpath shrinks by 1/eta^2 on entering a denser medium and grows back
+        // on leaving it. Russian roulette must not treat that as absorption.
         *survival *= match self.mode {
             TransportMode::Radiance => weight * (sample.eta * sample.eta),
             TransportMode::Importance => weight,
         };
         if i >= self.scene.depth.rr_depth as usize {
-            let q = survival.max_element().min(greatest_survival(i));
+            let q = survival.max_element().min(max_survival(i));
             if roulette >= q {
                 return None;
             }
@@ -308,8 +326,8 @@ impl Walk<'_> {
 
     /// The vertex at infinity at the end of `step`: densities there are per steradian.
     #[inline]
-    fn escape(&self, step: &Step) -> Escape {
-        let carried = match (&step.kind, self.subpath.vertices.last()) {
+    fn leave(&self, step: &Step) -> EnvironmentVertex {
+        let mis = match (&step.kind, self.subpath.vertices.last()) {
             (
                 StepKind::Surface {
                     reverse,
@@ -317,15 +335,13 @@ impl Walk<'_> {
                     cos,
                 },
                 Some(last),
-            ) => last
-                .carried
-                .extend(self.heuristic, *reverse, *delta, *cos, step.pdf),
-            _ => Carried::after_lens(step.pdf),
+            ) => last.mis.extend(*reverse, *delta, *cos, step.pdf),
+            _ => PartialMis::after_lens(step.pdf),
         };
-        Escape {
+        EnvironmentVertex {
             direction: step.ray.direction,
             throughput: step.throughput,
-            carried,
+            mis,
         }
     }
 }

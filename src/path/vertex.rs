@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::mis::Carried;
+use super::mis::PartialMis;
 use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 use crate::scene::{Scattering, Scene, SurfacePoint, TransportMode};
@@ -10,7 +10,7 @@ use crate::scene::{Scattering, Scene, SurfacePoint, TransportMode};
 /// A surface vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
-    /// Where it is.
+    /// The point.
     pub surface: SurfacePoint,
     /// Index of its material.
     pub material: u32,
@@ -19,26 +19,55 @@ pub struct Vertex {
     /// Veach's alpha: on a camera subpath importance over the density of having made it, on a light
     /// subpath radiance over that density.
     pub throughput: Rgb,
-    /// Quantities for the weights of techniques.
-    pub carried: Carried,
+    /// Partial sums for the weights of techniques.
+    pub mis: PartialMis,
 }
 
-/// What a vertex does to light between its predecessor and a direction it is joined in.
+/// Scattering at a vertex between its predecessor and the direction of a connection.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounce {
+pub struct Scatter {
     /// f times the cosines that the geometric term leaves to this vertex: for a camera vertex
     /// f |w_i . N_s|, for a light vertex f |w_o . N_g| |w_i . N_s| / |w_i . N_g|, where w_i points to
     /// the light and w_o to the camera (Veach 1997, section 5.3: the adjoint for shading normals).
     pub value: Rgb,
-    /// Density of sampling the joined direction given the predecessor, per steradian.
+    /// Density of sampling the direction of the connection given the predecessor, per steradian.
     pub pdf_forward: f32,
-    /// Density of sampling the predecessor's direction given the joined one, per steradian.
+    /// Density of sampling the predecessor's direction given that of the connection, per steradian.
     pub pdf_reverse: f32,
-    /// |cos| between the joined direction and the geometric normal.
+    /// [`Vertex::abs_cos`] of the direction of the connection.
     pub cos: f32,
 }
 
+impl Scatter {
+    /// [`Vertex::density`] of this vertex when the other end of the connection samples it with `pdf`.
+    #[inline]
+    pub fn density(&self, pdf: f32, distance_squared: f64) -> f64 {
+        f64::from(pdf) * f64::from(self.cos) / distance_squared
+    }
+}
+
 impl Vertex {
+    /// The point from which directions to this vertex are measured.
+    #[inline]
+    pub fn position(&self) -> Vec3A {
+        self.surface.position
+    }
+
+    /// The factor that the geometric term G has at this vertex: the cosine between `direction` (unit)
+    /// and the geometric normal.
+    #[inline]
+    pub fn abs_cos(&self, direction: Vec3A) -> f32 {
+        self.surface.geometric_normal.dot(direction).abs()
+    }
+
+    /// Density of this vertex in its own measure (per unit area), from the density `pdf` per steradian
+    /// of the direction toward it, sampled at the square root of `distance_squared` from it (pbrt, 4th
+    /// ed., section 13.2.2 "Integrals over area").
+    #[inline]
+    pub fn density(&self, pdf: f64, direction: Vec3A, distance_squared: f64) -> f64 {
+        pdf * f64::from(self.abs_cos(direction)) / distance_squared
+    }
+
     /// True if the material has a lobe that explicit connections can use.
     #[inline]
     pub fn is_connectible(&self, scene: &Scene) -> bool {
@@ -48,12 +77,12 @@ impl Vertex {
     /// Scatters between the predecessor and `direction` (unit, world): `mode` is that of the
     /// subpath.
     #[inline]
-    pub fn bounce(&self, scene: &Scene, direction: Vec3A, mode: TransportMode) -> Bounce {
+    pub fn scatter(&self, scene: &Scene, direction: Vec3A, mode: TransportMode) -> Scatter {
         let surface = &self.surface;
         let previous = surface.shading.to_local(self.to_previous);
         let next = surface.shading.to_local(direction);
         let material = &scene.materials[self.material as usize];
-        let cos = surface.geometric_normal.dot(direction).abs();
+        let cos = self.abs_cos(direction);
         match mode {
             TransportMode::Radiance => {
                 let Scattering {
@@ -61,7 +90,7 @@ impl Vertex {
                     pdf_to_light,
                     pdf_to_camera,
                 } = material.scattering(&scene.textures, surface.uv, next, previous);
-                Bounce {
+                Scatter {
                     value: f * next.z.abs(),
                     pdf_forward: pdf_to_light,
                     pdf_reverse: pdf_to_camera,
@@ -74,7 +103,7 @@ impl Vertex {
                     pdf_to_light,
                     pdf_to_camera,
                 } = material.scattering(&scene.textures, surface.uv, previous, next);
-                Bounce {
+                Scatter {
                     value: f * (cos * self.shading_over_geometric_cos(previous.z)),
                     pdf_forward: pdf_to_camera,
                     pdf_reverse: pdf_to_light,

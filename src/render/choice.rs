@@ -1,29 +1,26 @@
-//! Which integrator suits a scene, when nobody has named one.
+//! The choice of an integrator for a scene, by a pilot.
 
 use std::fmt;
 use std::time::Instant;
 
-use super::division::Division;
-use super::pilot::Pilot;
-use super::sweep::size;
+use super::mmlt::{MmltSettings, Plan};
 use super::{Integrator, Observer, Settings, in_pool};
 use crate::analysis::{Loss, LostLight};
 use crate::scene::Scene;
 
-/// Metropolis is chosen if it promises to be better by so much: plain sampling is simpler.
-const WORTH_IT: f64 = 1.05;
+/// Chains are chosen if the expected ratio of errors exceeds this: independent samples are simpler.
+const MIN_GAIN: f64 = 1.05;
 
 /// An integrator, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// [`Integrator::Bdpt`] or [`Integrator::Mmlt`].
+    /// [`Integrator::Bdpt`], or [`Integrator::Mmlt`] with the plan of the pilot.
     pub integrator: Integrator,
-    /// By how much less error chains are expected to leave at equal time than plain bidirectional path
-    /// tracing would.
+    /// Expected error of `bdpt` over that of `mmlt` at equal time.
     pub gain: f64,
-    /// There is light that only rare and bright paths find.
+    /// Some light is found only by rare and bright paths.
     pub rare_light: bool,
-    /// Samples that tell so.
+    /// Samples of the pilot.
     pub samples: u64,
     /// Seconds that it took.
     pub seconds: f64,
@@ -31,9 +28,9 @@ pub struct Choice {
 
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.integrator.name();
+        let name = self.integrator.method().name();
         write!(f, "{name} is chosen: ")?;
-        if self.gain > WORTH_IT {
+        if self.gain > MIN_GAIN {
             let gain = self.gain;
             write!(
                 f,
@@ -55,15 +52,16 @@ impl fmt::Display for Choice {
     }
 }
 
-/// Lets a pilot choose between bidirectional path tracing and multiplexed Metropolis, by the error that
-/// each is expected to leave at equal time; `lost` is the light that neither finds well. Of a budget of
-/// time it takes a few hundredths.
+/// Lets a pilot choose between bidirectional path tracing and multiplexed Metropolis with settings `own`,
+/// by the error that each is expected to leave at equal time; `lost` is the light that neither finds well.
+/// It takes a few per cent of a budget of time. The render goes on with the plan of the pilot.
 ///
 /// # Errors
 /// If the threads cannot be started.
 pub fn choose(
     scene: &Scene,
     settings: &Settings,
+    own: &MmltSettings,
     lost: &[LostLight],
     observer: &dyn Observer,
 ) -> Result<Choice, rayon::ThreadPoolBuildError> {
@@ -71,20 +69,23 @@ pub fn choose(
     observer.phase("choosing");
     in_pool(settings.threads, || {
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
-        let pilot = Pilot::run(scene, settings.seed, is_over);
-        let gain = Division::new(size(scene), &pilot, settings.division)
-            .gain
-            .powi(2);
+        let plan = Plan::new(scene, settings.seed, own, is_over);
+        let gain = plan.clamp.gain.powi(2);
         let rare_light = lost.iter().any(|lost| lost.loss == Loss::Nearly);
+        let samples = plan.samples;
+        let integrator = if gain > MIN_GAIN || rare_light {
+            Integrator::Mmlt(MmltSettings {
+                plan: Some(plan),
+                ..own.clone()
+            })
+        } else {
+            Integrator::Bdpt
+        };
         Choice {
-            integrator: if gain > WORTH_IT || rare_light {
-                Integrator::Mmlt
-            } else {
-                Integrator::Bdpt
-            },
+            integrator,
             gain,
             rare_light,
-            samples: pilot.samples,
+            samples,
             seconds: start.elapsed().as_secs_f64(),
         }
     })

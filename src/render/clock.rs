@@ -1,19 +1,19 @@
-//! Budgets: how much is done, how long the rest will take, and when to stop.
+//! Budgets: how much is done, how long the rest takes, and when to stop.
 
 use std::time::{Duration, Instant};
 
-use super::{Budget, Moment, Observer};
+use super::{Budget, Observer, Progress};
 use crate::film::Image;
 
-/// Watches over one phase of a render whose work is counted in samples.
+/// Keeps the budget of a phase whose work is counted in samples.
 pub(super) struct Clock<'a> {
     start: Instant,
-    /// Time since then that did not count.
+    /// Time since then that does not count.
     paused: Duration,
     /// Seconds since `start` at which the counted work began.
     began: f64,
     limit: Limit,
-    /// The part of the work that the error of the image says is done.
+    /// The part of the work that is done by the error of the image.
     noted: f64,
     observer: &'a dyn Observer,
 }
@@ -23,7 +23,7 @@ enum Limit {
     Samples(u64),
     /// The second at which to stop.
     Seconds(f64),
-    /// Nothing but what is noted.
+    /// Only what is noted.
     None,
 }
 
@@ -45,8 +45,7 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// Takes note that this part of the work seems to be done, whatever the budget is; all is over
-    /// when it is 1.
+    /// Records that this part of the work seems to be done, whatever the budget is; 1 ends the phase.
     pub fn note(&mut self, fraction: f64) {
         self.noted = fraction;
     }
@@ -59,9 +58,8 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// How many samples the next block should have, after `done` samples: `block` of them, or fewer
-    /// where these would take so long that the budget of time could not be kept. With a budget of
-    /// samples the answer does not depend on time.
+    /// Number of samples of the next block, after `done` samples: `block`, or fewer where a budget of time
+    /// could not be kept otherwise. With a budget of samples it does not depend on time.
     pub fn block(&self, done: u64, block: u64) -> u64 {
         match self.limit {
             Limit::Samples(_) | Limit::None => block,
@@ -77,13 +75,12 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// Tells the observer that `done` samples are done; true if that is all there is time for, or if
-    /// the observer wants it to be.
+    /// Reports `done` samples to the observer; true if the budget is spent or the observer cancels.
     pub fn is_over(&self, done: u64) -> bool {
         let spent = match self.limit {
             Limit::Samples(n) if done >= n => 1.0,
             Limit::Samples(n) => done as f64 / n as f64,
-            // Late or not: a render without a sample would be a black image.
+            // A render without any sample would be a black image, however late it is.
             Limit::Seconds(_) if done == 0 => 0.0,
             Limit::Seconds(seconds) => self.elapsed() / seconds,
             Limit::None => 0.0,
@@ -99,19 +96,24 @@ impl<'a> Clock<'a> {
         fraction >= 1.0 || self.observer.interrupted()
     }
 
-    /// Shows the observer the image that `develop` makes, if it wants to look after `samples` samples
-    /// and `rays` rays. Neither making nor looking takes any time of the render.
-    pub fn show(&mut self, samples: u64, rays: u64, develop: impl FnOnce() -> Image) {
-        let moment = Moment {
+    /// Gives the observer a snapshot, the image that `resolve` makes, if it wants one after `samples`
+    /// samples and `rays` rays. The time for both does not count.
+    pub fn show(&mut self, samples: u64, rays: u64, resolve: impl FnOnce() -> Image) {
+        let progress = Progress {
             seconds: self.elapsed(),
             samples,
             rays,
         };
-        if self.observer.wants_to_look(&moment) {
+        if self.observer.wants_snapshot(&progress) {
             let pause = Instant::now();
-            self.observer.look(&moment, &develop());
+            self.observer.on_snapshot(&progress, &resolve());
             self.paused += pause.elapsed();
         }
+    }
+
+    /// True if the observer cancelled a render of `samples` samples before its budget was spent.
+    pub fn was_cut_short(&self, samples: u64) -> bool {
+        self.observer.interrupted() && self.total_samples().is_none_or(|n| samples < n)
     }
 
     /// Seconds since the start of the render.
@@ -122,7 +124,7 @@ impl<'a> Clock<'a> {
             .as_secs_f64()
     }
 
-    /// Second of the render at which the counted work began.
+    /// Seconds since the start at which the counted work began.
     pub fn began(&self) -> f64 {
         self.began
     }

@@ -1,18 +1,17 @@
-//! How sure an image is: standard errors from independent parts of its own samples, and when an
-//! error that was asked for has been reached.
+//! Standard errors of an image, from the spread of independent parts of its samples, and when a target
+//! error is reached.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::Settings;
-use super::seat::Seat;
-use crate::film::{Image, SplatFilm};
+use crate::film::{Image, SplatFilm, SplatLog};
 use crate::math::color::to_pixel;
 use crate::metrics::expected_relative_mse;
 use crate::statistics::Moments;
 
-/// What the samples themselves say about the error of the image.
+/// The error of an image as estimated from its own samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// Standard error of every pixel and channel, in the unit of the image.
@@ -22,8 +21,8 @@ pub struct ErrorEstimate {
     /// Independent parts of the samples whose spread was measured: passes over all pixels, or groups
     /// of chains. Each standard error has one degree of freedom less.
     pub parts: u64,
-    /// Share of pixels whose variance comes nearly all from one part: what that part met is so rare
-    /// that others like it are probably still missing, and true errors larger than these.
+    /// Share of pixels whose variance comes nearly all from one part: the paths that this part has found
+    /// are so rare that others like them are probably still missing, and true errors are larger.
     pub single: f64,
 }
 
@@ -35,20 +34,19 @@ struct PixelVariance {
 }
 
 impl ErrorEstimate {
-    /// Where [`Self::single`] is greater, errors are probably larger than estimated, and the user is
-    /// told.
-    pub const MANY_SINGLE: f64 = 0.05;
+    /// Where [`Self::single`] is greater, errors are probably larger than estimated, which is a warning.
+    pub const MAX_SINGLE: f64 = 0.05;
 
-    /// A part with more than this share of the variance is alone: of 16 normal deviates the largest
-    /// has a share beyond it with probability 10^-8.
-    const ALONE: f64 = 0.8;
+    /// A part with more than this share of the variance stands alone: of 16 normal deviates the largest
+    /// has a greater share with probability 10^-8.
+    const MAX_SHARE: f64 = 0.8;
 
     fn new(image: &Image, pixels: &[PixelVariance], parts: u64) -> Self {
         let error = |pixel: &PixelVariance| to_pixel(pixel.variance.map(f64::sqrt));
         let standard_errors: Vec<[f32; 3]> = pixels.iter().map(error).collect();
         let single = pixels
             .iter()
-            .filter(|pixel| pixel.largest_share > Self::ALONE);
+            .filter(|pixel| pixel.largest_share > Self::MAX_SHARE);
         Self {
             relative_mse: expected_relative_mse(&image.pixels, &standard_errors),
             standard_errors,
@@ -58,37 +56,37 @@ impl ErrorEstimate {
     }
 }
 
-/// When to look at the error, and whether it is small enough.
-pub(super) struct Target {
+/// When to check the error, and whether it is small enough.
+pub(super) struct TargetError {
     /// The relMSE asked for.
     error: Option<f64>,
     pixels: u64,
-    /// Samples at which to look next.
+    /// Samples at which to check next.
     next: u64,
 }
 
-impl Target {
-    /// Samples per pixel before the first look: with fewer an image that has missed its rare bright
-    /// paths looks finished.
-    const FIRST_LOOK: u64 = 16;
+impl TargetError {
+    /// Samples per pixel before the first check: with fewer an image that has missed its rare bright
+    /// paths seems converged.
+    const FIRST_CHECK: u64 = 16;
 
     pub fn new(settings: &Settings, pixels: u64) -> Self {
         Self {
             error: settings.target_error,
             pixels,
-            next: Self::FIRST_LOOK * pixels,
+            next: Self::FIRST_CHECK * pixels,
         }
     }
 
-    /// True if the error is wanted after `done` samples. Looks are few, each after a tenth more
-    /// samples: the more often one looks, the likelier one stops at an estimate that is too low.
+    /// True if the error is wanted after `done` samples. Checks are few, each after a tenth more samples:
+    /// the more often one checks, the likelier one stops at an estimate that is too low.
     pub fn is_due(&self, done: u64) -> bool {
         self.error.is_some() && done >= self.next
     }
 
-    /// Looks at the error after `done` samples. Returns what part of the work seems to be done, the
-    /// error falling as one over the number of samples: 1 if the error is reached.
-    pub fn look(&mut self, done: u64, estimate: &ErrorEstimate) -> f64 {
+    /// Checks the error after `done` samples. Returns the part of the work that seems to be done, as the
+    /// error falls as one over the number of samples: 1 if the target is reached.
+    pub fn check(&mut self, done: u64, estimate: &ErrorEstimate) -> f64 {
         self.next = (done + done / 10).max(done + self.pixels);
         match self.error {
             Some(error) if estimate.relative_mse > error => error / estimate.relative_mse,
@@ -98,21 +96,21 @@ impl Target {
 }
 
 /// Variance of the pixels of a Monte Carlo image, from its passes: in each every pixel is sampled
-/// once, so passes are independent images with one distribution. What a pass gives to a pixel holds
-/// its camera sample and all splats that land there, so their covariance counts too.
-pub(super) struct Passes {
+/// once, so passes are independent images with one distribution. The contribution of a pass to a pixel
+/// has its camera sample and all splats that land there, so that their covariance is included.
+pub(super) struct PassVariance {
     count: u64,
     pixels: Vec<PassSums>,
 }
 
-/// What the passes have given to a pixel.
+/// Contributions of the passes to a pixel.
 #[derive(Clone, Copy, Default)]
 struct PassSums {
     sum: [f64; 3],
     /// Squared deviations from the mean.
     squares: [f64; 3],
-    /// The most that one pass has given, all channels together.
-    most: f64,
+    /// The greatest contribution of a pass, all channels together.
+    greatest: f64,
 }
 
 impl PassSums {
@@ -120,17 +118,17 @@ impl PassSums {
         let [sum, squares] = [self.sum, self.squares].map(|v| v.iter().sum::<f64>());
         PixelVariance {
             variance: self.squares.map(|s| s.max(0.0) / (n * (n - 1.0))),
-            largest_share: share((self.most - sum / n).powi(2) / 3.0, squares),
+            largest_share: share((self.greatest - sum / n).powi(2) / 3.0, squares),
         }
     }
 }
 
-/// 0/0 = 0: where nothing varies no part has a share.
+/// 0/0 = 0: without variance no part has a share.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-impl Passes {
+impl PassVariance {
     pub fn new(pixels: u64) -> Self {
         Self {
             count: 0,
@@ -138,24 +136,24 @@ impl Passes {
         }
     }
 
-    /// Takes note of a pass, after all before it: `mean` gives the image so far, pixel by pixel. The pass
-    /// is what that has more than before: rounding matters as little as in the film's own sums.
+    /// Adds a pass, after all before it: `mean` gives the image so far, pixel by pixel. The contribution of
+    /// the pass is the difference to the sums before: rounding matters as little as in the film's sums.
     pub fn add(&mut self, mean: impl Fn(usize) -> [f64; 3] + Sync) {
         self.count += 1;
         let n = self.count as f64;
         let pixels = self.pixels.par_iter_mut().enumerate();
         pixels.for_each(|(i, pixel)| {
             let mean = mean(i);
-            let mut given = 0.0;
+            let mut contribution = 0.0;
             for (c, mean) in mean.into_iter().enumerate() {
                 let value = n * mean - pixel.sum[c];
                 if n > 1.0 {
                     pixel.squares[c] += (value - pixel.sum[c] / (n - 1.0)) * (value - mean);
                 }
                 pixel.sum[c] = n * mean;
-                given += value;
+                contribution += value;
             }
-            pixel.most = pixel.most.max(given);
+            pixel.greatest = pixel.greatest.max(contribution);
         });
     }
 
@@ -177,7 +175,7 @@ impl Passes {
 /// Group g with m_g of all M mutations has the image s_g/m_g, s_g being its splats with the weights
 /// (c + l)/(I/b_0 + p). It also has its own estimate b_g of b, from its part of the bootstrap and its
 /// own large steps. The final image has the factor b/b_0 on its chain part A (see
-/// [`super::metropolis`]), so to first order group g stands for the image
+/// [`super::pssmlt`]), so to first order group g stands for the image
 ///
 ///   X_g = s_g/m_g + A (b_g - b_0)/b_0,
 ///
@@ -187,7 +185,7 @@ pub(super) struct Groups {
     films: Vec<SplatFilm>,
 }
 
-/// What a group of chains has done.
+/// The work of a group of chains.
 pub(super) struct GroupWork {
     /// m_g.
     pub mutations: u64,
@@ -196,14 +194,13 @@ pub(super) struct GroupWork {
 }
 
 impl Groups {
-    /// Most groups: the standard errors have 15 degrees of freedom, and the memory of 16 films is
-    /// spent.
-    const MOST: usize = 16;
+    /// Most groups: the standard errors have 15 degrees of freedom, for the memory of 16 films.
+    const MAX: usize = 16;
 
     /// For `chains` chains; each group has a film like `film`, black.
     pub fn new(chains: usize, film: &SplatFilm) -> Self {
         Self {
-            films: vec![film.clone(); chains.min(Self::MOST)],
+            films: vec![film.clone(); chains.min(Self::MAX)],
         }
     }
 
@@ -212,28 +209,26 @@ impl Groups {
         self.films.len()
     }
 
-    /// Those of all `chains` that are in group `g`: neighbours, which start from neighbouring
-    /// bootstrap samples, so that chains with one start are in one group as far as possible.
+    /// Those of all `chains` that are in group `g`: neighbours, which start at neighbouring bootstrap
+    /// samples, so that chains from one start are in one group as far as possible.
     pub fn chains_of(&self, g: usize, chains: usize) -> Range<usize> {
         chains * g / self.len()..chains * (g + 1) / self.len()
     }
 
-    /// Adds what some of `all` chains have logged, each in its seat.
-    pub fn apply(&mut self, all: usize, chains: Range<usize>, seats: &[Seat]) {
+    /// Adds the splats of some of `all` chains: `logs` has two for each chain.
+    pub fn apply(&mut self, all: usize, chains: Range<usize>, logs: &[[&SplatLog; 2]]) {
         for g in 0..self.len() {
             let group = self.chains_of(g, all);
             let begin = group.start.clamp(chains.start, chains.end) - chains.start;
             let end = group.end.clamp(chains.start, chains.end) - chains.start;
             if begin < end {
-                let seats = seats[begin..end].iter();
-                let logs = seats.flat_map(|seat| [&seat.chain_log, &seat.large_log]);
-                self.films[g].apply(&logs.collect::<Vec<_>>());
+                self.films[g].apply(logs[begin..end].as_flattened());
             }
         }
     }
 
     /// The error of `image`. `chain_part` is A per pixel, `b_0` the constant in the weights. `None`
-    /// if fewer than two groups have done anything.
+    /// if fewer than two groups have made mutations.
     pub fn estimate(
         &self,
         image: &Image,
@@ -251,9 +246,9 @@ impl Groups {
         }
         let all: u64 = work.iter().map(|work| work.mutations).sum();
         let pixel = |i: usize| {
-            let (chain, mut parts) = (chain_part(i), [[0.0; 3]; Self::MOST]);
+            let (chain, mut parts) = (chain_part(i), [[0.0; 3]; Self::MAX]);
             let mut mean = [0.0; 3];
-            let mut weights = [0.0; Self::MOST];
+            let mut weights = [0.0; Self::MAX];
             for ((part, weight), (film, work)) in parts.iter_mut().zip(&mut weights).zip(at_work())
             {
                 let (sum, mutations) = (film.sum(i), work.mutations as f64);

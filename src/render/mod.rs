@@ -1,42 +1,42 @@
-//! Drivers: they decide how the point of the hypercube moves, pair a path sampler with that, keep
-//! to a budget, and add what comes out to a film.
+//! Drivers: each decides how the point of the hypercube moves, pairs that with a path sampler, keeps to a
+//! budget, and adds the splats to a film.
 
 mod choice;
-pub mod clock;
-mod division;
+mod clock;
+mod driver;
 pub mod error;
-mod importance;
-pub mod metropolis;
-pub mod monte_carlo;
-mod multiplexed;
-pub mod origin;
-mod pilot;
-mod redistribution;
+mod estimate;
+mod independent;
+pub mod mmlt;
+mod passes;
+mod pixel_sampler;
+mod pssmlt;
 pub mod replay;
-pub mod seat;
+pub mod sample_id;
 pub mod settings;
 pub mod statistics;
 pub mod strategies;
-mod sweep;
+pub mod target;
 mod warnings;
 
 use crate::film::Image;
+use crate::integrators::{BidirectionalPathTracer, LightTracer, PathTracer};
 use crate::scene::Scene;
 
 pub use choice::{Choice, choose};
-pub use division::DivisionSettings;
 pub use error::ErrorEstimate;
-pub use origin::{NonFinite, Origin};
+pub use mmlt::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
-pub use seat::LightTarget;
-pub use settings::{Budget, Integrator, Settings};
-pub use statistics::{MetropolisStatistics, MultiplexedStatistics, Statistics, StepStatistics};
-pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies, techniques};
+pub use sample_id::{NonFinite, SampleId};
+pub use settings::{Budget, Integrator, Method, PssmltSettings, Settings};
+pub use statistics::{MmltStatistics, MutationStatistics, PssmltStatistics, Statistics};
+pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies};
+pub use target::SplatTarget;
 
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
-    /// Seconds of rendering so far, without those in which the observer looked at the image.
+pub struct Progress {
+    /// Seconds of rendering so far, without those in which the observer had a snapshot.
     pub seconds: f64,
     /// Path samples, or mutations.
     pub samples: u64,
@@ -44,23 +44,23 @@ pub struct Moment {
     pub rays: u64,
 }
 
-/// Who is told how a render goes, and may stop it.
+/// Receives progress and may cancel the render.
 pub trait Observer: Sync {
     /// A new phase of the work begins.
     fn phase(&self, name: &str);
     /// `fraction` of the phase is done; `seconds_left` is an estimate, once there is one.
     fn progress(&self, fraction: f64, seconds_left: Option<f64>);
-    /// True if the render should finish what it is at and return what it has.
+    /// True if the render should finish the current block and return the image so far.
     fn interrupted(&self) -> bool;
-    /// True if [`Self::look`] should be shown the image at this moment.
-    fn wants_to_look(&self, _moment: &Moment) -> bool {
+    /// True if [`Self::on_snapshot`] should receive the image now.
+    fn wants_snapshot(&self, _progress: &Progress) -> bool {
         false
     }
-    /// Is shown the image so far, while the clock of the render stands still.
-    fn look(&self, _moment: &Moment, _image: &Image) {}
+    /// Receives the image so far. The clock of the render is stopped meanwhile.
+    fn on_snapshot(&self, _progress: &Progress, _image: &Image) {}
 }
 
-/// An observer that neither listens nor stops.
+/// An observer that ignores progress and never cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 
@@ -72,23 +72,23 @@ impl Observer for Unobserved {
     }
 }
 
-/// What a render gives.
+/// The result of a render.
 #[derive(Debug)]
 pub struct Rendering {
     /// Linear RGB radiance, W/(m^2 sr) in the units of the scene.
     pub image: Image,
     /// Its error, if it was asked for and could be estimated.
     pub error: Option<ErrorEstimate>,
-    /// What it took.
+    /// Samples, rays, times.
     pub statistics: Statistics,
-    /// The observer stopped it before its budget was spent.
+    /// The observer cancelled the render before its budget was spent.
     pub interrupted: bool,
     /// What the user should know about the image.
     pub warnings: Vec<String>,
 }
 
 /// Renders `scene`. The image depends on the scene and the settings alone, to the bit, whatever the
-/// number of threads, unless the budget is one of time or the observer interrupts.
+/// number of threads, unless the budget is one of time or the observer cancels.
 ///
 /// # Errors
 /// If the threads cannot be started.
@@ -97,11 +97,14 @@ pub fn render(
     settings: &Settings,
     observer: &dyn Observer,
 ) -> Result<Rendering, rayon::ThreadPoolBuildError> {
-    let mut rendering = in_pool(settings.threads, || match settings.integrator {
-        Integrator::Path | Integrator::Light | Integrator::Bdpt | Integrator::Mmlt => {
-            monte_carlo::render(scene, settings, observer)
+    let mut rendering = in_pool(settings.threads, || match &settings.integrator {
+        Integrator::Path => independent::render(scene, PathTracer, settings, observer),
+        Integrator::Light => independent::render(scene, LightTracer, settings, observer),
+        Integrator::Bdpt => independent::render(scene, BidirectionalPathTracer, settings, observer),
+        Integrator::Pssmlt(own) => {
+            pssmlt::render(scene, BidirectionalPathTracer, settings, own, observer)
         }
-        Integrator::Pssmlt => metropolis::render(scene, settings, observer),
+        Integrator::Mmlt(own) => mmlt::render(scene, settings, own, observer),
     })?;
     let black = rendering
         .image
@@ -126,4 +129,9 @@ fn in_pool<R: Send>(
         .num_threads(threads.unwrap_or(0))
         .build()?;
     Ok(pool.install(work))
+}
+
+/// Number of pixels of the film.
+fn pixel_count(scene: &Scene) -> u64 {
+    u64::from(scene.film.width) * u64::from(scene.film.height)
 }

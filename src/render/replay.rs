@@ -1,77 +1,83 @@
 //! One sample of a render, made again and taken apart.
 
-use glam::Vec2;
-
-use super::sweep::pixel_sample;
-use super::{Origin, Settings};
-use crate::film::FilmSampler;
-use crate::integrators::{Sampler, Splats, Technique, Workspace};
-use crate::markov::{Chain, Target};
-use crate::sampling::seeds::{self, Purpose};
-use crate::sampling::{Coordinates, FreshCoordinates};
+use super::pixel_sampler::PixelSamples;
+use super::{Integrator, Method, SampleId, Settings};
+use crate::integrators::{
+    BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
+};
+use crate::markov::{Chain, Mutations, Target, bootstrap};
+use crate::path::dimensions;
+use crate::sampling::{Sampler, seeds};
 use crate::scene::Scene;
-use crate::technique::Connection;
+use crate::technique::PathContribution;
 
-/// A path sampler that keeps what its last sample was made of.
+/// A sample with all that it is made of.
 pub struct Replay<'a> {
     scene: &'a Scene,
-    sampler: Sampler,
+    method: Method,
     /// The subpaths.
     pub workspace: Workspace,
-    /// Where the camera subpath begins on the film, in [0, 1)^2.
-    pub film: Vec2,
-    /// What every technique gave.
-    pub connections: Vec<(Technique, Connection)>,
+    /// Film position of the camera subpath, in [0, 1)^2.
+    pub film: [f32; 2],
+    /// The contribution of every technique.
+    pub contributions: Vec<PathContribution>,
 }
 
 /// Why a sample cannot be made again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayError {
-    /// Samples of pixels are Monte Carlo's; bootstraps and chains are Metropolis's.
+    /// Independent samples of pixels are made by all integrators but `pssmlt`, whose samples are those of
+    /// a bootstrap and of chains.
     #[error("the integrator {0} makes no such sample")]
     WrongIntegrator(&'static str),
     /// The image is smaller.
     #[error("the image has {0} pixels only: is its size that of the render?")]
     NoSuchPixel(u64),
-    /// A chain starts from a sample with light.
+    /// A chain starts at a sample with light.
     #[error("bootstrap sample {0} has no light, so that no chain started from it")]
     DarkStart(u64),
 }
 
 impl<'a> Replay<'a> {
-    /// Makes the sample again that a render of `scene` with these settings made at `origin`. Of the
-    /// settings the integrator, the seed and, for a chain, its steps matter.
+    /// Makes the sample again that a render of `scene` with these settings made under the name `sample`.
+    /// The integrator, the seed and, for a chain, its mutations matter.
     ///
     /// # Errors
     /// If the integrator makes no such samples, the image has no such pixel, or the chain could not
-    /// have started where it is said to.
-    pub fn run(scene: &'a Scene, settings: &Settings, origin: Origin) -> Result<Self, ReplayError> {
+    /// have started there.
+    pub fn run(
+        scene: &'a Scene,
+        settings: &Settings,
+        sample: SampleId,
+    ) -> Result<Self, ReplayError> {
+        let method = settings.method();
         let mut replay = Self {
             scene,
-            sampler: settings.integrator.sampler(),
+            method,
             workspace: Workspace::default(),
-            film: Vec2::ZERO,
-            connections: Vec::new(),
+            film: [0.0; 2],
+            contributions: Vec::new(),
         };
-        if matches!(origin, Origin::Pixel { .. }) == settings.integrator.is_metropolis() {
-            let name = settings.integrator.name();
-            return Err(ReplayError::WrongIntegrator(name));
-        }
-        let mut splats = Splats::default();
-        match origin {
-            Origin::Pixel { pass, pixel } => replay.pixel(settings.seed, pass, pixel)?,
-            Origin::Bootstrap { sample } => {
-                let rng = seeds::generator(settings.seed, Purpose::Bootstrap, sample);
-                replay.evaluate(&mut FreshCoordinates::new(rng), &mut splats);
+        let seed = settings.seed;
+        match (sample, &settings.integrator) {
+            (SampleId::Pixel { .. }, Integrator::Pssmlt(_)) => {
+                return Err(ReplayError::WrongIntegrator(method.name()));
             }
-            Origin::Mutation { chain, start, step } => {
-                let mut chain = Chain::start(
-                    &mut replay,
-                    seeds::generator(settings.seed, Purpose::Bootstrap, start),
-                    seeds::chain_generator(settings.seed, chain),
-                    settings.large_step_probability,
-                    settings.small_step,
-                );
+            (SampleId::Pixel { pass, pixel }, _) => {
+                let samples = PixelSamples::new(scene, seed);
+                if pixel >= samples.pixels() {
+                    return Err(ReplayError::NoSuchPixel(samples.pixels()));
+                }
+                replay.sample(&mut samples.sample(pass, pixel));
+            }
+            (SampleId::Bootstrap { sample }, Integrator::Pssmlt(_)) => {
+                replay.sample(&mut bootstrap::sample(seed, sample));
+            }
+            (SampleId::Mutation { chain, start, step }, Integrator::Pssmlt(own)) => {
+                let mutations = Mutations::kelemen(own.large_step_probability, own.small_step);
+                let rng = seeds::chain_generator(seed, chain);
+                let sample = bootstrap::sample(seed, start);
+                let mut chain = Chain::start(&mut replay, sample, rng, mutations);
                 let density = chain.current().density;
                 if density.is_nan() || density <= 0.0 {
                     return Err(ReplayError::DarkStart(start));
@@ -80,48 +86,45 @@ impl<'a> Replay<'a> {
                     chain.step(&mut replay);
                 }
             }
+            _ => return Err(ReplayError::WrongIntegrator(method.name())),
         }
         Ok(replay)
     }
 
-    fn pixel(&mut self, seed: u64, pass: u64, pixel: u64) -> Result<(), ReplayError> {
-        let [width, height] = [self.scene.film.width, self.scene.film.height];
-        let pixels = u64::from(width) * u64::from(height);
-        if pixel >= pixels {
-            return Err(ReplayError::NoSuchPixel(pixels));
+    fn sample<S: Sampler>(&mut self, sampler: &mut S) {
+        match self.method {
+            Method::Path => self.sample_paths(PathTracer, sampler),
+            Method::Light => self.sample_paths(LightTracer, sampler),
+            Method::Bdpt | Method::Pssmlt | Method::Mmlt => {
+                self.sample_paths(BidirectionalPathTracer, sampler);
+            }
         }
-        let film = FilmSampler::new(width, height, self.scene.film.filter);
-        pixel_sample(&film, pixels, seed, pass, pixel, |point| {
-            self.sample(point);
-        });
-        Ok(())
     }
 
-    fn sample<C: Coordinates>(&mut self, point: &mut C) {
+    fn sample_paths<S: Sampler>(&mut self, path_sampler: impl PathSampler, sampler: &mut S) {
         let Self {
             scene,
-            sampler,
             workspace,
-            film,
-            connections,
+            contributions,
+            ..
         } = self;
-        connections.clear();
-        *film = sampler.film_position(point);
-        sampler.connections(scene, *film, point, workspace, |technique, connection| {
-            connections.push((technique, connection));
-        });
+        contributions.clear();
+        path_sampler.sample_paths(scene, sampler, workspace, |path| contributions.push(path));
+        self.film = match self.method {
+            Method::Light => [0.0; 2],
+            _ => sampler.get(dimensions::FILM),
+        };
     }
 }
 
 impl Target for Replay<'_> {
-    type Contribution = Splats;
+    type Contribution = SplatList;
 
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Splats) -> f64 {
-        self.sample(point);
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut SplatList) -> f64 {
+        self.sample(sampler);
         out.clear();
-        out.film = self.film;
-        for (_, connection) in &self.connections {
-            out.add(connection.film, connection.contribution());
+        for path in &self.contributions {
+            out.add(path.technique, path.splat());
         }
         out.luminance()
     }

@@ -4,27 +4,28 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::DivisionSettings;
-use crate::integrators::Sampler;
-use crate::markov::SmallStep;
+use super::mmlt::MmltSettings;
+use crate::markov::Perturbation;
+use crate::technique::TechniqueSet;
 
-/// Pairs of a path sampler and a driver.
+/// The integrators by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Integrator {
-    /// Unidirectional path tracing by Monte Carlo.
+pub enum Method {
+    /// Unidirectional path tracing by independent samples.
     Path,
-    /// Light tracing by Monte Carlo.
+    /// Light tracing by independent samples.
     Light,
-    /// Bidirectional path tracing by Monte Carlo.
+    /// Bidirectional path tracing by independent samples.
     Bdpt,
     /// Bidirectional path tracing by Metropolis in primary sample space.
     Pssmlt,
-    /// Multiplexed Metropolis beside plain bidirectional path tracing.
+    /// Bidirectional path tracing by independent samples, clamped, and multiplexed Metropolis for the
+    /// residual.
     Mmlt,
 }
 
-impl Integrator {
+impl Method {
     /// All of them.
     pub const ALL: [Self; 5] = [
         Self::Path,
@@ -45,95 +46,148 @@ impl Integrator {
         }
     }
 
-    /// Its path sampler.
-    pub fn sampler(self) -> Sampler {
+    /// The techniques that its path sampler combines.
+    pub fn techniques(self) -> TechniqueSet {
         match self {
-            Self::Path => Sampler::Path,
-            Self::Light => Sampler::Light,
-            Self::Bdpt | Self::Pssmlt | Self::Mmlt => Sampler::Bidirectional,
+            Self::Path => TechniqueSet::Path,
+            Self::Light => TechniqueSet::Light,
+            Self::Bdpt | Self::Pssmlt | Self::Mmlt => TechniqueSet::Bidirectional,
         }
     }
 
-    /// True if it moves by a Markov chain.
-    pub fn is_metropolis(self) -> bool {
-        matches!(self, Self::Pssmlt)
-    }
-
-    /// How its chains move when the user names no step.
-    pub fn default_small_step(self) -> SmallStep {
-        match self {
-            // Over many scales, so that there are some steps for features of any size.
-            Self::Mmlt => SmallStep::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
-            Self::Path | Self::Light | Self::Bdpt | Self::Pssmlt => SmallStep::default(),
-        }
-    }
-
-    /// Samples (or mutations) per pixel when the user names no budget.
+    /// Samples (or mutations) per pixel by default.
     pub fn default_samples_per_pixel(self) -> u64 {
-        if self.is_metropolis() { 128 } else { 64 }
+        match self {
+            Self::Pssmlt => 128,
+            Self::Path | Self::Light | Self::Bdpt | Self::Mmlt => 64,
+        }
+    }
+}
+
+/// A method with its own settings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Integrator {
+    /// See [`Method::Path`].
+    Path,
+    /// See [`Method::Light`].
+    Light,
+    /// See [`Method::Bdpt`].
+    Bdpt,
+    /// See [`Method::Pssmlt`].
+    Pssmlt(PssmltSettings),
+    /// See [`Method::Mmlt`].
+    Mmlt(MmltSettings),
+}
+
+impl Integrator {
+    /// Its name.
+    pub fn method(&self) -> Method {
+        match self {
+            Self::Path => Method::Path,
+            Self::Light => Method::Light,
+            Self::Bdpt => Method::Bdpt,
+            Self::Pssmlt(_) => Method::Pssmlt,
+            Self::Mmlt(_) => Method::Mmlt,
+        }
+    }
+}
+
+impl From<Method> for Integrator {
+    /// With default settings.
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Path => Self::Path,
+            Method::Light => Self::Light,
+            Method::Bdpt => Self::Bdpt,
+            Method::Pssmlt => Self::Pssmlt(PssmltSettings::default()),
+            Method::Mmlt => Self::Mmlt(MmltSettings::default()),
+        }
+    }
+}
+
+/// Settings of primary sample space Metropolis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PssmltSettings {
+    /// p_large: probability of a large step.
+    pub large_step_probability: f32,
+    /// How a small step perturbs coordinates.
+    pub small_step: Perturbation,
+    /// Number of Markov chains.
+    pub chains: u64,
+    /// Number of bootstrap samples; `None` to continue until the standard error of b is small.
+    pub bootstrap: Option<u64>,
+}
+
+impl Default for PssmltSettings {
+    fn default() -> Self {
+        Self {
+            large_step_probability: 0.3,
+            small_step: Perturbation::default(),
+            chains: 1024,
+            bootstrap: None,
+        }
     }
 }
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// Samples per pixel; for Metropolis integrators mutations per pixel.
+    /// Samples per pixel; for `pssmlt` mutations per pixel.
     SamplesPerPixel(u64),
-    /// Seconds of rendering, with neither loading nor building counted.
+    /// Seconds of rendering, without loading and building.
     Seconds(f64),
-    /// Until the target error is reached or the observer interrupts.
+    /// Until the target error is reached or the observer cancels.
     Unlimited,
 }
 
 /// Everything that decides the image, besides the scene.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Which method.
+    /// The method and its own settings.
     pub integrator: Integrator,
-    /// How long.
+    /// When to stop.
     pub budget: Budget,
     /// Estimate the standard error of every pixel.
     pub error: bool,
     /// Stop, before the budget is spent, as soon as the estimated relMSE
-    /// ([`crate::metrics::relative_mse`]) is this or less. The error of a Metropolis image takes two
-    /// chains to be known: with one, only the budget ends the render.
+    /// ([`crate::metrics::relative_mse`]) is this or less. The error of `pssmlt` is estimated from the
+    /// spread of chains: with one chain only the budget ends the render.
     pub target_error: Option<f64>,
     /// The same seed gives the same image.
     pub seed: u64,
     /// Number of threads; `None` for one per core.
     pub threads: Option<usize>,
-    /// p_large: probability of a large step.
-    pub large_step_probability: f32,
-    /// How coordinates move in a small step; of the multiplexed integrator all but the technique.
-    pub small_step: SmallStep,
-    /// Number of Markov chains.
-    pub chains: u64,
-    /// Number of bootstrap samples; `None` to go on until b is known well enough.
-    pub bootstrap: Option<u64>,
-    /// How the multiplexed integrator divides light between plain samples and chains.
-    pub division: DivisionSettings,
 }
 
 impl Settings {
+    /// The defaults for a method.
+    pub fn new(method: Method) -> Self {
+        Self::of(method.into())
+    }
+
     /// The defaults for an integrator.
-    pub fn new(integrator: Integrator) -> Self {
+    pub fn of(integrator: Integrator) -> Self {
+        let samples = integrator.method().default_samples_per_pixel();
         Self {
             integrator,
-            budget: Budget::SamplesPerPixel(integrator.default_samples_per_pixel()),
+            budget: Budget::SamplesPerPixel(samples),
             error: false,
             target_error: None,
             seed: 0,
             threads: None,
-            large_step_probability: 0.3,
-            small_step: integrator.default_small_step(),
-            chains: 1024,
-            bootstrap: None,
-            division: DivisionSettings::default(),
         }
     }
-}
 
-impl Settings {
+    /// The name of the integrator.
+    pub fn method(&self) -> Method {
+        self.integrator.method()
+    }
+
+    /// True if standard errors are to be estimated, for their own sake or for a target.
+    pub fn wants_error(&self) -> bool {
+        self.error || self.target_error.is_some()
+    }
+
     /// True if a pilot that began at `start` has taken its part of a budget of time.
     pub(super) fn pilot_is_over(&self, start: Instant) -> bool {
         const PART: f64 = 0.03;
@@ -141,16 +195,5 @@ impl Settings {
             Budget::Seconds(seconds) => start.elapsed().as_secs_f64() > PART * seconds,
             Budget::SamplesPerPixel(_) | Budget::Unlimited => false,
         }
-    }
-
-    /// True if standard errors are to be estimated, for their own sake or for a target.
-    pub fn wants_error(&self) -> bool {
-        self.error || self.target_error.is_some()
-    }
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self::new(Integrator::Pssmlt)
     }
 }

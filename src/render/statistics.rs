@@ -1,18 +1,17 @@
-//! What a render took, as data to be written out.
+//! Statistics of a render, as data to be written out.
 
 use serde::Serialize;
 
-use super::redistribution::Redistribution;
-use super::{Integrator, NonFinite, Origin, Settings, warnings};
-use crate::markov::ChainCounters;
+use super::{Method, NonFinite, SampleId, Settings, warnings};
+use crate::markov::{ChainCounters, MutationCounters};
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
 
-/// Figures of one render.
+/// Statistics of one render.
 #[derive(Clone, Debug, Serialize)]
 pub struct Statistics {
-    /// Which method.
-    pub integrator: Integrator,
+    /// The method.
+    pub integrator: Method,
     /// As given.
     pub seed: u64,
     /// Pixels in a row and in a column.
@@ -33,20 +32,20 @@ pub struct Statistics {
     pub rays_per_second: f64,
     /// Contributions (of Metropolis: proposals) that were NaN, infinite or negative and left out.
     pub non_finite: u64,
-    /// Where the first of them came from: what `metrolight replay` takes.
+    /// The samples of the first of them, which can be replayed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub non_finite_origins: Vec<Origin>,
-    /// For Metropolis integrators.
+    pub non_finite_samples: Vec<SampleId>,
+    /// Of the chains of `pssmlt`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub metropolis: Option<MetropolisStatistics>,
-    /// For the multiplexed integrator.
+    pub pssmlt: Option<PssmltStatistics>,
+    /// Of the chains of `mmlt`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub multiplexed: Option<MultiplexedStatistics>,
+    pub mmlt: Option<MmltStatistics>,
 }
 
-/// Figures of the Markov chains.
+/// Statistics of the Markov chains of `pssmlt`.
 #[derive(Clone, Debug, Serialize)]
-pub struct MetropolisStatistics {
+pub struct PssmltStatistics {
     /// Normalisation: mean luminance of the image, from the bootstrap and all large steps.
     pub b: f64,
     /// Its standard error; `None` if there were too few samples to tell.
@@ -59,47 +58,34 @@ pub struct MetropolisStatistics {
     pub bootstrap_seconds: f64,
     /// p_large.
     pub large_step_probability: f32,
-    /// Large steps.
-    pub large_steps: StepStatistics,
-    /// Small steps.
-    pub small_steps: StepStatistics,
+    /// By kind of mutation.
+    pub mutations: Vec<MutationStatistics>,
     /// Longest run of rejections of any chain.
     pub longest_rejection_run: u64,
     /// Chains that have been in one state for more than half of their mutations.
     pub stuck_chains: u64,
 }
 
-/// Figures of the chains beside plain sampling.
+/// Statistics of the Markov chains of `mmlt`.
 #[derive(Clone, Debug, Serialize)]
-pub struct MultiplexedStatistics {
-    /// How bright a path is, in units of the importance map, beyond which chains carry the excess.
+pub struct MmltStatistics {
+    /// Luminance of a path, in units of the importance map, beyond which chains carry the residual.
     pub threshold: f32,
-    /// Energy of a mutation, in units of the importance map and of one plain sample per pixel.
+    /// Energy of a mutation, in units of the importance map and of one independent sample per pixel.
     pub energy_per_mutation: f64,
     /// Chains that were started.
     pub chains: u64,
-    /// Their mutations.
-    pub mutations: StepStatistics,
+    /// By kind of mutation.
+    pub mutations: Vec<MutationStatistics>,
     /// Longest run of rejections of any chain.
     pub longest_rejection_run: u64,
 }
 
-impl MultiplexedStatistics {
-    pub(super) fn new(chains: &Redistribution) -> Self {
-        let (division, work) = (chains.division(), &chains.work);
-        Self {
-            threshold: division.threshold,
-            energy_per_mutation: division.energy,
-            chains: work.chains,
-            mutations: StepStatistics::new(work.counters.small),
-            longest_rejection_run: work.counters.longest_rejection_run,
-        }
-    }
-}
-
-/// Figures of one kind of step.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct StepStatistics {
+/// Statistics of one kind of mutation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MutationStatistics {
+    /// The kind.
+    pub name: &'static str,
     /// Proposals.
     pub proposed: u64,
     /// Of these accepted.
@@ -108,18 +94,26 @@ pub struct StepStatistics {
     pub acceptance_rate: f64,
 }
 
-impl StepStatistics {
-    fn new([proposed, accepted]: [u64; 2]) -> Self {
-        let acceptance_rate = if proposed == 0 {
-            0.0
-        } else {
-            accepted as f64 / proposed as f64
-        };
-        Self {
+impl From<&MutationCounters> for MutationStatistics {
+    fn from(counters: &MutationCounters) -> Self {
+        let &MutationCounters {
+            name,
             proposed,
             accepted,
-            acceptance_rate,
+        } = counters;
+        Self {
+            name,
+            proposed,
+            accepted,
+            acceptance_rate: accepted as f64 / proposed.max(1) as f64,
         }
+    }
+}
+
+impl MutationStatistics {
+    /// Of all kinds that a chain has.
+    pub(super) fn all(counters: &ChainCounters) -> Vec<Self> {
+        counters.mutations.iter().map(Self::from).collect()
     }
 }
 
@@ -134,7 +128,7 @@ impl Statistics {
     ) -> Self {
         let per_second = |n: u64, seconds: f64| n as f64 / seconds.max(1e-9);
         Self {
-            integrator: settings.integrator,
+            integrator: settings.method(),
             seed: settings.seed,
             size: [scene.film.width, scene.film.height],
             threads: rayon::current_num_threads(),
@@ -145,17 +139,17 @@ impl Statistics {
             shadow_rays: rays.shadow,
             rays_per_second: per_second(rays.total(), render_seconds),
             non_finite: non_finite.count,
-            non_finite_origins: non_finite.origins,
-            metropolis: None,
-            multiplexed: None,
+            non_finite_samples: non_finite.samples,
+            pssmlt: None,
+            mmlt: None,
         }
     }
 }
 
-impl MetropolisStatistics {
+impl PssmltStatistics {
     /// From the moments of I over all uniform samples and all chains' counters.
     pub(super) fn new<'a>(
-        settings: &Settings,
+        large_step_probability: f32,
         (bootstrap_samples, bootstrap_seconds): (u64, f64),
         uniform: &Moments,
         chains: impl Iterator<Item = &'a ChainCounters>,
@@ -174,9 +168,8 @@ impl MetropolisStatistics {
             chains: count,
             bootstrap_samples,
             bootstrap_seconds,
-            large_step_probability: settings.large_step_probability,
-            large_steps: StepStatistics::new(counters.large),
-            small_steps: StepStatistics::new(counters.small),
+            large_step_probability,
+            mutations: MutationStatistics::all(&counters),
             longest_rejection_run: counters.longest_rejection_run,
             stuck_chains,
         }

@@ -8,19 +8,19 @@
 use std::time::Instant;
 
 use super::clock::Clock;
-use super::sweep::{AtPixel, Collector, Place, Sweep, pixels};
-use super::{NonFinite, Observer, Origin, Settings, Statistics, warnings};
+use super::passes::{PassLoop, Tile, TileBuffer};
+use super::{NonFinite, Observer, SampleId, Settings, Statistics, in_pool, pixel_count, warnings};
 use crate::film::{Film, Image, Splat, SplatLog};
-use crate::integrators::{Sampler, Technique, Workspace};
+use crate::integrators::{BidirectionalPathTracer, PathSampler};
 use crate::math::Rgb;
 use crate::math::color::is_light;
 use crate::scene::Scene;
-use crate::technique::Connection;
+use crate::technique::{PathContribution, Technique};
 
-/// What one technique gives.
+/// The images of one technique.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TechniqueImages {
-    /// Which.
+    /// The technique.
     pub technique: Technique,
     /// Without the weight.
     pub unweighted: Image,
@@ -28,14 +28,14 @@ pub struct TechniqueImages {
     pub weighted: Image,
 }
 
-/// What all techniques give.
+/// The images of all techniques.
 #[derive(Debug)]
 pub struct Strategies {
-    /// In the order of [`techniques`].
+    /// In the order of [`Technique::all`].
     pub images: Vec<TechniqueImages>,
-    /// What they took.
+    /// Samples, rays, times.
     pub statistics: Statistics,
-    /// The observer stopped before all samples were taken.
+    /// The observer cancelled before all samples were taken.
     pub interrupted: bool,
     /// What the user should know about the images.
     pub warnings: Vec<String>,
@@ -68,32 +68,14 @@ pub enum StrategiesError {
 }
 
 /// Most memory for films, in bytes.
-const MOST_BYTES: u64 = 8_000_000_000;
+const MAX_BYTES: u64 = 8_000_000_000;
 
 /// Memory for a pixel of a technique: sums of samples and splats and a number of samples, twice, and
 /// two pixels of 32-bit floats.
 const PIXEL_BYTES: u64 = 2 * (24 + 24 + 8) + 2 * 12;
 
-/// All techniques for paths of up to `edges` edges that the sampler uses: by number of edges, those of
-/// one number by s. Light that is seen directly is left to (0, 2), so that (1, 1) is not among them.
-pub fn techniques(edges: u32) -> Vec<Technique> {
-    let lengths = 1..=edges as usize;
-    let all = lengths.flat_map(|k| (0..=k).map(move |s| Technique { s, t: k + 1 - s }));
-    all.filter(|technique| (technique.s, technique.t) != (1, 1))
-        .collect()
-}
-
-/// The place of a technique in [`techniques`].
-fn place_of(Technique { s, t }: Technique) -> usize {
-    match s + t - 1 {
-        1 => 0,
-        // Before it: one technique of one edge, and j + 1 of j edges for 2 <= j < k.
-        k => k * (k + 1) / 2 - 2 + s,
-    }
-}
-
 /// Renders each technique. Of the settings the budget, the seed and the number of threads matter; the
-/// integrator must be `bdpt`. The images depend on the number of threads no more than a render does.
+/// integrator must be `bdpt`. Like a render, the images do not depend on the number of threads.
 ///
 /// # Errors
 /// If the scene does not limit the length of paths, the images would not fit into memory, or threads
@@ -104,17 +86,26 @@ pub fn strategies(
     observer: &dyn Observer,
 ) -> Result<Strategies, StrategiesError> {
     let edges = check(scene)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads.unwrap_or(0))
-        .build()?;
-    Ok(pool.install(|| {
-        let mut pyramid = Pyramid::new(scene, settings, edges);
-        let mut sweep = Sweep::new(scene, settings.seed);
+    Ok(in_pool(settings.threads, || {
         observer.phase("rendering");
-        let mut clock = Clock::new(Instant::now(), settings.budget, pixels(scene), observer);
-        sweep.sample(&mut pyramid, &mut clock);
-        pyramid.finish(&sweep, &clock, observer)
-    }))
+        let mut pyramid = Pyramid::new(scene, settings, edges);
+        let mut passes = PassLoop::new(scene, settings.seed);
+        let clock = Clock::new(
+            Instant::now(),
+            settings.budget,
+            pixel_count(scene),
+            observer,
+        );
+        while !clock.is_over(passes.samples()) {
+            let tiles =
+                passes.advance(&clock, |pixel, sampler, workspace, tile: &mut TilePaths| {
+                    let add = |path| tile.add(pixel, &path);
+                    BidirectionalPathTracer.sample_paths(scene, sampler, workspace, add);
+                });
+            pyramid.add(&tiles);
+        }
+        pyramid.finish(&passes, &clock)
+    })?)
 }
 
 /// Checks that the techniques of `scene` can be shown, and returns the greatest number of edges.
@@ -123,59 +114,69 @@ pub fn strategies(
 /// If the scene does not limit the length of paths, or the images would not fit into memory.
 pub fn check(scene: &Scene) -> Result<u32, StrategiesError> {
     let edges = scene.depth.max_depth.ok_or(StrategiesError::Unlimited)?;
-    check_memory(edges, pixels(scene))?;
+    check_memory(edges, pixel_count(scene))?;
     Ok(edges)
 }
 
 fn check_memory(edges: u32, pixels: u64) -> Result<(), StrategiesError> {
-    // As many as `techniques` makes, without making them.
+    // The length of `Technique::all`.
     let edges = u64::from(edges);
     let techniques = (edges.saturating_mul(edges + 3) / 2).saturating_sub(1);
     let bytes = techniques
         .saturating_mul(pixels)
         .saturating_mul(PIXEL_BYTES);
-    if bytes <= MOST_BYTES {
+    if bytes <= MAX_BYTES {
         return Ok(());
     }
     Err(StrategiesError::TooMuchMemory {
         techniques,
         pixels,
         needed: bytes.div_ceil(1_000_000_000),
-        most: MOST_BYTES / 1_000_000_000,
+        most: MAX_BYTES / 1_000_000_000,
     })
 }
 
-/// What a run of pixels leaves.
+/// The paths of a tile's samples.
 #[derive(Default)]
-struct Run {
-    /// Light at the samples' own pixels: the pixel, the technique's place, its light without and with
-    /// the weight.
-    camera: Vec<(u64, usize, [Rgb; 2])>,
+struct TilePaths {
+    /// Light at the samples' own pixels: the pixel, the technique's ordinal, its light without and with the
+    /// weight.
+    pixels: Vec<(u64, usize, [Rgb; 2])>,
     /// Per technique, light elsewhere without and with the weight.
-    elsewhere: Vec<[SplatLog; 2]>,
+    light_images: Vec<[SplatLog; 2]>,
     /// Pixels with a contribution that was not finite; one entry for each.
     non_finite: Vec<u64>,
 }
 
-impl Run {
-    /// Takes note of what technique number `place` gave to the sample of `pixel`.
+impl TileBuffer for TilePaths {
+    fn clear(&mut self) {
+        self.pixels.clear();
+        let logs = self.light_images.iter_mut().flatten();
+        logs.for_each(SplatLog::clear);
+        self.non_finite.clear();
+    }
+}
+
+impl TilePaths {
+    /// Adds a path of the sample of `pixel`.
     #[inline]
-    fn note(&mut self, pixel: u64, place: usize, connection: &Connection) {
-        let both = [connection.value, connection.contribution()];
+    fn add(&mut self, pixel: u64, path: &PathContribution) {
+        let Splat { position, value } = path.splat();
+        let both = [path.value, value];
         if !both.iter().all(|&value| is_light(value)) {
             self.non_finite.push(pixel);
             return;
         }
-        let Some(film) = connection.film else {
-            self.camera.push((pixel, place, both));
+        let ordinal = path.technique.ordinal();
+        if !path.technique.is_light_image() {
+            self.pixels.push((pixel, ordinal, both));
             return;
-        };
-        if self.elsewhere.len() <= place {
-            self.elsewhere.resize_with(place + 1, Default::default);
         }
-        for (log, value) in self.elsewhere[place].iter_mut().zip(both) {
+        if self.light_images.len() <= ordinal {
+            self.light_images.resize_with(ordinal + 1, Default::default);
+        }
+        for (log, value) in self.light_images[ordinal].iter_mut().zip(both) {
             if value != Rgb::ZERO {
-                let position = film.into();
                 log.push(Splat { position, value });
             }
         }
@@ -192,59 +193,9 @@ struct Pyramid<'a> {
     non_finite: NonFinite,
 }
 
-impl Collector for Pyramid<'_> {
-    type Run = Run;
-
-    fn clear(run: &mut Run) {
-        run.camera.clear();
-        run.elsewhere.iter_mut().flatten().for_each(SplatLog::clear);
-        run.non_finite.clear();
-    }
-
-    #[inline]
-    fn sample(&self, pixel: u64, point: &mut AtPixel, workspace: &mut Workspace, run: &mut Run) {
-        let sampler = Sampler::Bidirectional;
-        let film = sampler.film_position(point);
-        let note = |technique, connection| run.note(pixel, place_of(technique), &connection);
-        sampler.connections(self.scene, film, point, workspace, note);
-    }
-
-    fn add(&mut self, runs: &[(Place, &Run)]) {
-        for (place, run) in runs {
-            // Each sample counts for every technique, whether it has found light or not.
-            for film in self.films.iter_mut().flatten() {
-                for pixel in place.pixels.clone() {
-                    film.add_samples(pixel as usize, [0.0; 3], 1);
-                }
-            }
-            for &(pixel, technique, both) in &run.camera {
-                for (film, value) in self.films[technique].iter_mut().zip(both) {
-                    film.add_samples(pixel as usize, value.as_dvec3().to_array(), 0);
-                }
-            }
-            let pass = place.pass;
-            for &pixel in &run.non_finite {
-                self.non_finite.add(1, Origin::Pixel { pass, pixel });
-            }
-        }
-        for (technique, films) in self.films.iter_mut().enumerate() {
-            for (which, film) in films.iter_mut().enumerate() {
-                let logs = runs
-                    .iter()
-                    .filter_map(|(_, run)| run.elsewhere.get(technique));
-                let logs = logs.map(|both| &both[which]);
-                let logs: Vec<_> = logs.filter(|log| !log.splats().is_empty()).collect();
-                if !logs.is_empty() {
-                    film.apply(&logs);
-                }
-            }
-        }
-    }
-}
-
 impl<'a> Pyramid<'a> {
     fn new(scene: &'a Scene, settings: &'a Settings, edges: u32) -> Self {
-        let techniques = techniques(edges);
+        let techniques: Vec<Technique> = Technique::all(edges as usize).collect();
         let [width, height] = [scene.film.width, scene.film.height];
         let film = || Film::new(width, height, scene.film.filter);
         Self {
@@ -256,9 +207,42 @@ impl<'a> Pyramid<'a> {
         }
     }
 
-    fn finish(self, sweep: &Sweep<Run>, clock: &Clock, observer: &dyn Observer) -> Strategies {
-        let done = sweep.done();
-        let splat_scale = 1.0 / done.max(1) as f64;
+    fn add(&mut self, tiles: &[(Tile, &TilePaths)]) {
+        for (tile, paths) in tiles {
+            // Each sample counts for every technique, whether it has found light or not.
+            for film in self.films.iter_mut().flatten() {
+                for pixel in tile.pixels.clone() {
+                    film.add_samples(pixel as usize, [0.0; 3], 1);
+                }
+            }
+            for &(pixel, technique, both) in &paths.pixels {
+                for (film, value) in self.films[technique].iter_mut().zip(both) {
+                    film.add_samples(pixel as usize, value.as_dvec3().to_array(), 0);
+                }
+            }
+            let pass = tile.pass;
+            for &pixel in &paths.non_finite {
+                self.non_finite.add(1, SampleId::Pixel { pass, pixel });
+            }
+        }
+        for (technique, films) in self.films.iter_mut().enumerate() {
+            let logs = tiles
+                .iter()
+                .filter_map(|(_, p)| p.light_images.get(technique));
+            let logs: Vec<&[SplatLog; 2]> = logs.collect();
+            for (which, film) in films.iter_mut().enumerate() {
+                let logs = logs.iter().map(|both| &both[which]);
+                let logs: Vec<_> = logs.filter(|log| !log.splats().is_empty()).collect();
+                if !logs.is_empty() {
+                    film.apply(&logs);
+                }
+            }
+        }
+    }
+
+    fn finish(self, passes: &PassLoop<TilePaths>, clock: &Clock) -> Strategies {
+        let samples = passes.samples();
+        let splat_scale = 1.0 / samples.max(1) as f64;
         let images = self.techniques.iter().zip(&self.films);
         let images = images.map(|(&technique, films)| {
             let [unweighted, weighted] = films.each_ref().map(|film| film.develop(splat_scale));
@@ -270,17 +254,17 @@ impl<'a> Pyramid<'a> {
         });
         Strategies {
             images: images.collect(),
-            interrupted: observer.interrupted() && clock.total_samples().is_none_or(|n| done < n),
+            interrupted: clock.was_cut_short(samples),
             warnings: warnings::non_finite(&self.non_finite)
                 .into_iter()
-                .chain(warnings::unsampled(done, pixels(self.scene)))
+                .chain(warnings::unsampled(samples, pixel_count(self.scene)))
                 .collect(),
             statistics: Statistics::new(
                 self.scene,
                 self.settings,
                 [clock.elapsed(); 2],
-                done,
-                sweep.rays(),
+                samples,
+                passes.rays(),
                 self.non_finite,
             ),
         }
@@ -290,20 +274,6 @@ impl<'a> Pyramid<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn techniques_are_where_their_place_says() {
-        let all = techniques(7);
-        for (i, &technique) in all.iter().enumerate() {
-            assert_eq!(place_of(technique), i, "{technique:?}");
-        }
-        assert_eq!(all.len(), 34);
-        let pairs: Vec<_> = all[..4]
-            .iter()
-            .map(|technique| (technique.s, technique.t))
-            .collect();
-        assert_eq!(pairs, [(0, 2), (0, 3), (1, 2), (2, 1)]);
-    }
 
     #[test]
     fn memory_is_not_spent_without_limit() {

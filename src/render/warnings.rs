@@ -48,7 +48,7 @@ pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Op
 /// Tells that standard errors are probably too small.
 pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<String> {
     let single = estimate.map_or(0.0, |estimate| estimate.single);
-    (single > ErrorEstimate::MANY_SINGLE).then(|| {
+    (single > ErrorEstimate::MAX_SINGLE).then(|| {
         format!(
             "errors are probably larger than estimated: in {:.0}% of the pixels nearly all variance \
              comes from one part of the samples, so that rare light is still to be found. Render \

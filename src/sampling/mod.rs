@@ -1,6 +1,7 @@
 //! Sources of sample values, and what is made of them: discrete distributions and warps.
 
 pub mod distribution;
+pub mod independent;
 pub mod sampler;
 pub mod seeds;
 pub mod warp;
@@ -9,4 +10,5 @@ pub mod warp;
 mod tests;
 
 pub use distribution::{Cell, Distribution1D, Distribution2D};
-pub use sampler::{Coordinates, FreshCoordinates, Stream};
+pub use independent::IndependentSampler;
+pub use sampler::{Dimension, Sampler, Stream};

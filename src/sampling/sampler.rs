@@ -1,57 +1,48 @@
-//! A point of the unit hypercube, read coordinate by coordinate.
+//! Sources of sample values: points of the unit hypercube, one number per dimension.
 //!
-//! A path sampler maps such a point to light and knows nothing of where its numbers come from: fresh
-//! ones for Monte Carlo, the state of a Markov chain for Metropolis (Kelemen et al. 2002, section 2).
+//! A path sampler maps such a point to light and does not know where its numbers come from: they are
+//! independent for Monte Carlo, and the state of a Markov chain for Metropolis (Kelemen et al. 2002,
+//! section 2). A dimension is an address, not a place in a sequence of reads.
 
-use rand::RngExt;
-use rand_xoshiro::Xoshiro256PlusPlus;
-
-/// The families of coordinates. Each has its own infinite sequence, so that a longer camera subpath
+/// The families of dimensions. Each has its own infinite sequence, so that a longer camera subpath
 /// never shifts the numbers of the light subpath (Kelemen et al. 2002, section 3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stream {
     /// Film and lens position, then the vertices of the camera subpath.
     Camera,
-    /// The emitter, then the vertices of the light subpath.
+    /// The light, then the vertices of the light subpath.
     Light,
-    /// What connections need: points on emitters and on the lens.
+    /// Points on lights and on the lens that connections need.
     Connection,
-    /// Which technique joins the subpaths, where the point chooses one.
+    /// The technique, where a sample chooses one.
     Technique,
 }
 
 impl Stream {
-    /// How many streams there are.
+    /// Number of streams.
     pub const COUNT: usize = 4;
 }
 
-/// A point of the unit hypercube. Every coordinate is read at most once for each path sampled.
-pub trait Coordinates {
-    /// `N` consecutive coordinates of `stream`, from `first` on, each in [0, 1).
-    fn read<const N: usize>(&mut self, stream: Stream, first: usize) -> [f32; N];
+/// The address of a coordinate of the hypercube.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Dimension {
+    /// The family.
+    pub stream: Stream,
+    /// The place within the family.
+    pub index: usize,
 }
 
-/// A point whose every coordinate is fresh and uniform: the Monte Carlo driver's.
-#[derive(Clone, Debug)]
-pub struct FreshCoordinates {
-    rng: Xoshiro256PlusPlus,
-}
-
-impl FreshCoordinates {
-    /// Numbers drawn from `rng`.
-    pub fn new(rng: Xoshiro256PlusPlus) -> Self {
-        Self { rng }
-    }
-
-    /// The generator, for draws that belong to the driver and not to the path.
-    pub fn rng(&mut self) -> &mut Xoshiro256PlusPlus {
-        &mut self.rng
-    }
-}
-
-impl Coordinates for FreshCoordinates {
+impl Dimension {
+    /// Dimension number `index` of `stream`.
     #[inline]
-    fn read<const N: usize>(&mut self, _stream: Stream, _first: usize) -> [f32; N] {
-        std::array::from_fn(|_| self.rng.random::<f32>())
+    pub const fn new(stream: Stream, index: usize) -> Self {
+        Self { stream, index }
     }
+}
+
+/// A point of the unit hypercube (pbrt's sampler). The value of a dimension is the same however often
+/// and in whatever order it is asked for.
+pub trait Sampler {
+    /// The values of `N` consecutive dimensions of one stream, from `first` on, each in [0, 1).
+    fn get<const N: usize>(&mut self, first: Dimension) -> [f32; N];
 }

@@ -1,42 +1,49 @@
-//! Independent streams of random numbers.
+//! Keys and generators for independent streams of random numbers.
 
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::fault::{Fault, planted};
 
-/// What a stream is for; streams of different purposes share nothing.
+/// What random numbers are for; different purposes share none.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
-    /// A run of pixels in one pass of Monte Carlo.
+    /// Samples of the pixels of an image, pass after pass.
     Pixels,
     /// A sample of the bootstrap.
     Bootstrap,
     /// The choice of bootstrap samples that chains start from.
     Resampling,
-    /// Rays that look for light which no sampler can find.
+    /// Rays that search for light which no path sampler can find.
     Probes,
     /// The chains; one stream, from which each chain jumps on.
     Chains,
     /// Random choices of statistical tests.
     Tests,
-    /// Chains that redistribute what a block of plain samples has found.
+    /// Chains that start from the residual of a block of independent samples.
     Redistribution,
 }
 
 /// Finaliser of SplitMix64 (Steele et al. 2014, "Fast splittable pseudorandom number generators"):
 /// a bijection whose every output bit depends on every input bit.
-fn mix(mut z: u64) -> u64 {
+#[inline]
+pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
 
-/// The generator for item `index` of a purpose, under the user's seed.
-pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus {
+/// A key for item `index` of a purpose, under the user's seed.
+#[inline]
+pub(super) fn key(seed: u64, purpose: Purpose, index: u64) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     let key = mix(seed.wrapping_add(GOLDEN)) ^ (purpose as u64 + 1).wrapping_mul(GOLDEN);
-    Xoshiro256PlusPlus::seed_from_u64(mix(mix(key).wrapping_add(index.wrapping_mul(GOLDEN))))
+    mix(mix(key).wrapping_add(index.wrapping_mul(GOLDEN)))
+}
+
+/// The generator for item `index` of a purpose, under the user's seed.
+pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(key(seed, purpose, index))
 }
 
 /// The seed of part `part` of an experiment with `seed`: parts share no random numbers with each other

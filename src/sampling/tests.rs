@@ -2,19 +2,20 @@
 //! 1e-4, which is then the rate of false alarms over seeds.
 
 use glam::{Vec2, Vec3A};
-use rand::SeedableRng;
-use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::seeds::Purpose;
 use super::warp::{
     square_to_cosine_hemisphere, square_to_disk, square_to_sphere, square_to_triangle,
 };
-use super::{Coordinates, Distribution1D, Distribution2D, FreshCoordinates, Stream};
+use super::{Dimension, Distribution1D, Distribution2D, IndependentSampler, Sampler, Stream};
 use crate::math::color::is_light;
 use crate::math::luminance;
 use crate::statistics::chi_square;
 
-fn fresh(seed: u64) -> FreshCoordinates {
-    FreshCoordinates::new(Xoshiro256PlusPlus::seed_from_u64(seed))
+/// Pairs of independent uniform numbers.
+fn pairs(seed: u64) -> impl Iterator<Item = [f32; 2]> {
+    let at = Dimension::new(Stream::Camera, 0);
+    (0..).map(move |i| IndependentSampler::new(seed, Purpose::Tests, i).get(at))
 }
 
 /// Null hypothesis: `warp`, followed by a map that should make it uniform again on the unit square,
@@ -22,10 +23,10 @@ fn fresh(seed: u64) -> FreshCoordinates {
 fn check_uniform(name: &str, warp: impl Fn(Vec2) -> Vec2) {
     const SIDE: usize = 20;
     let samples = 100_000;
-    let mut numbers = fresh(17);
+    let numbers = pairs(17);
     let mut observed = vec![0; SIDE * SIDE];
-    for _ in 0..samples {
-        let p = warp(Vec2::from_array(numbers.read(Stream::Camera, 0)));
+    for u in numbers.take(samples as usize) {
+        let p = warp(Vec2::from_array(u));
         let [i, j] = p.to_array().map(|x| {
             assert!((-1e-5..1.0 + 1e-5).contains(&x), "{name}: {p}");
             ((x * SIDE as f32) as usize).min(SIDE - 1)
@@ -44,7 +45,7 @@ fn turns(v: Vec2) -> f32 {
 
 #[test]
 fn warps_have_their_densities() {
-    check_uniform("fresh numbers", |u| u);
+    check_uniform("independent numbers", |u| u);
     check_uniform("disk", |u| {
         let d = square_to_disk(u);
         Vec2::new(d.length_squared(), turns(d))
@@ -93,11 +94,10 @@ fn sampling_a_distribution_leaves_a_uniform_number() {
     let weights = [3.0, 0.0, 1.0, 0.5, 7.0];
     let distribution = Distribution1D::new(weights).expect("a distribution");
     assert_eq!(distribution.total(), 11.5);
-    let mut numbers = fresh(18);
+    let numbers = pairs(18);
     let samples = 50_000;
     let mut observed = vec![0; weights.len() * 10];
-    for _ in 0..samples {
-        let [u] = numbers.read(Stream::Light, 0);
+    for [u, _] in numbers.take(samples as usize) {
         let (i, rest) = distribution.sample(u);
         observed[i * 10 + (rest * 10.0) as usize] += 1;
     }
@@ -113,12 +113,12 @@ fn sampling_a_distribution_leaves_a_uniform_number() {
 fn grids_are_sampled_in_proportion() {
     let weights = [1.0, 0.0, 3.0, 2.0, 0.0, 0.0, 0.0, 0.0, 5.0, 4.0, 0.1, 0.9];
     let grid = Distribution2D::new(&weights, 4).expect("a distribution");
-    let mut numbers = fresh(19);
+    let numbers = pairs(19);
     let samples = 50_000;
     // Each cell in quarters.
     let mut observed = vec![0; 4 * weights.len()];
-    for _ in 0..samples {
-        let cell = grid.sample(numbers.read(Stream::Connection, 0));
+    for u in numbers.take(samples as usize) {
+        let cell = grid.sample(u);
         let quarter = cell.within.map(|x| usize::from(x >= 0.5));
         observed[4 * (4 * cell.row + cell.column) + 2 * quarter[0] + quarter[1]] += 1;
     }

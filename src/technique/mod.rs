@@ -1,5 +1,162 @@
-//! The techniques: each joins what the subpaths give to a path (Veach 1997, chapter 10).
+//! Techniques: the ways to make a path from what the subpaths give (Veach 1997, chapter 10). Each says
+//! what light its path carries, before and after MIS weighting. A path whose unoccluded contribution is
+//! zero traces no shadow ray.
 
-pub mod connect;
+pub mod camera;
+pub mod contribution;
+pub mod hit;
+pub mod join;
+pub mod next_event;
 
-pub use connect::{Connection, emitted, escaped, join, to_lens, to_light};
+use std::fmt;
+
+pub use camera::connect_to_camera;
+pub use contribution::{Connection, PathContribution};
+pub use hit::{Hit, hit_environment, hit_light};
+pub use join::connect_vertices;
+pub use next_event::NextEvent;
+
+/// A way to make a path of s light subpath vertices (the point on the light included) and t camera
+/// subpath vertices (the point on the lens included): Veach's (s, t).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Technique {
+    /// s = 0: the camera subpath hits a light.
+    Hit {
+        /// Camera subpath vertices, the one on the light included.
+        t: usize,
+    },
+    /// s = 1: a point on a light is sampled for the last vertex of the camera subpath (next event
+    /// estimation).
+    NextEvent {
+        /// Camera subpath vertices.
+        t: usize,
+    },
+    /// t = 1: the last vertex of the light subpath is connected to a point on the lens.
+    Camera {
+        /// Light subpath vertices.
+        s: usize,
+    },
+    /// s >= 2 and t >= 2: the last vertices of both subpaths are connected.
+    Join {
+        /// Light subpath vertices.
+        s: usize,
+        /// Camera subpath vertices.
+        t: usize,
+    },
+}
+
+impl Technique {
+    /// Veach's technique (s, t), with t >= 1 and s + t >= 2.
+    pub fn new(s: usize, t: usize) -> Self {
+        debug_assert!(t >= 1 && s + t >= 2, "no technique ({s},{t})");
+        match (s, t) {
+            (_, 1) => Self::Camera { s },
+            (0, _) => Self::Hit { t },
+            (1, _) => Self::NextEvent { t },
+            _ => Self::Join { s, t },
+        }
+    }
+
+    /// Vertices of the light subpath.
+    #[inline]
+    pub fn s(self) -> usize {
+        match self {
+            Self::Hit { .. } => 0,
+            Self::NextEvent { .. } => 1,
+            Self::Camera { s } | Self::Join { s, .. } => s,
+        }
+    }
+
+    /// Vertices of the camera subpath.
+    #[inline]
+    pub fn t(self) -> usize {
+        match self {
+            Self::Camera { .. } => 1,
+            Self::Hit { t } | Self::NextEvent { t } | Self::Join { t, .. } => t,
+        }
+    }
+
+    /// Number of edges k of its paths.
+    #[inline]
+    pub fn edges(self) -> usize {
+        self.s() + self.t() - 1
+    }
+
+    /// True if its paths land anywhere on the film and not where their camera subpath starts.
+    #[inline]
+    pub fn is_light_image(self) -> bool {
+        matches!(self, Self::Camera { .. })
+    }
+
+    /// Number of techniques that bidirectional path tracing has for paths of `edges` >= 1 edges. Paths of
+    /// one edge (directly visible lights) have (0, 2) alone.
+    #[inline]
+    pub fn count(edges: usize) -> usize {
+        if edges == 1 { 1 } else { edges + 1 }
+    }
+
+    /// Technique number `i` < [`Self::count`] of paths with `edges` edges, in the order of s.
+    #[inline]
+    pub fn nth(edges: usize, i: usize) -> Self {
+        Self::new(i, edges + 1 - i)
+    }
+
+    /// Its number among those of its length: the inverse of [`Self::nth`].
+    #[inline]
+    pub fn index(self) -> usize {
+        self.s()
+    }
+
+    /// All techniques of bidirectional path tracing for paths of up to `max_edges` edges, by length.
+    pub fn all(max_edges: usize) -> impl Iterator<Item = Self> {
+        (1..=max_edges).flat_map(|k| (0..Self::count(k)).map(move |i| Self::nth(k, i)))
+    }
+
+    /// Its place in [`Self::all`].
+    #[inline]
+    pub fn ordinal(self) -> usize {
+        match self.edges() {
+            1 => 0,
+            // Before it: one technique of one edge, and j + 1 of j edges for 2 <= j < k.
+            k => k * (k + 1) / 2 - 2 + self.index(),
+        }
+    }
+}
+
+/// The techniques that a path sampler combines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TechniqueSet {
+    /// s <= 1: path tracing with next event estimation.
+    Path,
+    /// t = 1: light tracing.
+    Light,
+    /// All techniques with t >= 1: bidirectional path tracing.
+    Bidirectional,
+}
+
+impl fmt::Display for Technique {
+    /// As Veach writes it: (s,t).
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({},{})", self.s(), self.t())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn techniques_are_enumerated_by_length_and_s() {
+        let all: Vec<Technique> = Technique::all(7).collect();
+        assert_eq!(all.len(), 34);
+        for (i, &technique) in all.iter().enumerate() {
+            assert_eq!(technique.ordinal(), i, "{technique}");
+            let (s, t) = (technique.s(), technique.t());
+            assert_eq!(Technique::new(s, t), technique);
+            let again = Technique::nth(technique.edges(), technique.index());
+            assert_eq!(again, technique);
+        }
+        let names: Vec<String> = all[..4].iter().map(ToString::to_string).collect();
+        assert_eq!(names, ["(0,2)", "(0,3)", "(1,2)", "(2,1)"]);
+    }
+}

@@ -1,23 +1,23 @@
 //! The tests of chains, tested: on targets whose distribution is known, without a fault and with each
 //! of many.
 
+mod mmlt;
 mod null;
 mod power;
 mod targets;
 
 use super::equilibrium::{Equilibrium, equilibrium};
-use super::{Check, Effort};
+use super::{Check, DiagnosisBudget};
 use crate::markov::BootstrapLimits;
 use crate::render::Unobserved;
-use targets::Analytic;
+use targets::{Analytic, AnalyticChains};
 
-/// An effort for quick runs: `chains` chains, 2^`bootstrap` samples for b, and so few permutations that
+/// A budget for quick runs: `chains` chains, 2^`bootstrap` samples for b, and so few permutations that
 /// corrected p-values of the maximum mean discrepancy stay above 1/40.
-fn effort(seed: u64, chains: usize, bootstrap: u32) -> Effort {
+fn budget(seed: u64, chains: usize, bootstrap: u32) -> DiagnosisBudget {
     let samples = 1 << bootstrap;
-    Effort {
+    DiagnosisBudget {
         seed,
-        large_step_probability: 0.3,
         chains,
         coordinates: ["x", "y", "z", "nothing"],
         bootstrap: BootstrapLimits {
@@ -26,14 +26,22 @@ fn effort(seed: u64, chains: usize, bootstrap: u32) -> Effort {
             relative_error: 0.0,
         },
         permutations: 2000,
-        ..Effort::default()
+        ..DiagnosisBudget::default()
     }
 }
 
-fn run(target: Analytic, effort: &Effort) -> Equilibrium {
-    equilibrium(&target, effort, &Unobserved).expect("a target with light")
+/// Chains with the usual probability of large steps.
+fn chains_of(target: Analytic) -> AnalyticChains {
+    AnalyticChains {
+        target,
+        large_step_probability: 0.3,
+    }
 }
 
-fn checks(target: Analytic, effort: &Effort) -> Vec<Check> {
-    run(target, effort).checks
+fn run(target: Analytic, budget: &DiagnosisBudget) -> Equilibrium {
+    equilibrium(&chains_of(target), budget, &Unobserved).expect("a target with light")
+}
+
+fn checks(target: Analytic, budget: &DiagnosisBudget) -> Vec<Check> {
+    run(target, budget).checks
 }

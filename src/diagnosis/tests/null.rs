@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{Analytic, checks, effort, run};
+use super::{Analytic, budget, checks, run};
 use crate::statistics::{clopper_pearson, distance_from_uniform};
 
 /// Runs over all targets together.
@@ -34,7 +34,7 @@ fn p_values_are_uniform_and_false_alarms_rare() {
         .into_par_iter()
         .map(|seed| {
             let target = Analytic::ALL[seed as usize % Analytic::ALL.len()];
-            checks(target, &effort(seed, CHAINS, 14))
+            checks(target, &budget(seed, CHAINS, 14))
         })
         .collect();
     let mut p_values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -81,7 +81,7 @@ fn excess_of_small(values: &mut [f64]) -> f64 {
 #[test]
 fn estimates_of_b_are_the_integral() {
     for target in Analytic::ALL {
-        let found = run(target, &effort(3, CHAINS, 16));
+        let found = run(target, &budget(3, CHAINS, 16));
         assert_eq!(found.normalisation.estimates.len(), 4);
         for estimate in &found.normalisation.estimates {
             let error = estimate.value - target.b();
@@ -102,11 +102,11 @@ fn estimates_of_b_are_the_integral() {
 #[test]
 fn starts_are_independent() {
     for target in Analytic::ALL {
-        let found = run(target, &effort(1, CHAINS, 14));
-        let (starts, units) = (found.starts.starts.len(), found.starts.units());
+        let found = run(target, &budget(1, CHAINS, 14));
+        let (starts, clusters) = (found.starts.starts.len(), found.starts.clusters());
         assert!(
-            starts >= CHAINS && units as f64 > 0.98 * starts as f64,
-            "{target:?}: {units}"
+            starts >= CHAINS && clusters as f64 > 0.98 * starts as f64,
+            "{target:?}: {clusters}"
         );
     }
 }

@@ -1,12 +1,15 @@
 //! Targets whose distribution is known.
 
-use crate::diagnosis::{COORDINATES, Features, Observation, Plain, Subject, TILES, tile_at};
+use crate::diagnosis::{
+    COORDINATES, ChainTarget, Features, IndependentEstimate, Observation, TILES, tile_at,
+};
 use crate::fault::{Fault, planted};
-use crate::markov::{SmallStep, Target, bootstrap::sample_generator};
-use crate::sampling::{Coordinates, FreshCoordinates, Stream};
+use crate::markov::{Mutations, Perturbation, Target, bootstrap};
+use crate::path::dimensions;
+use crate::sampling::{Dimension, Sampler, Stream};
 
-/// Plain samples that chains are compared with.
-const PLAIN: u64 = 1 << 17;
+/// Independent samples that chains are compared with.
+const INDEPENDENT: u64 = 1 << 17;
 
 /// A density I on the hypercube.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +55,7 @@ fn bell(d_squared: f64, sigma: f64) -> f64 {
     (-0.5 * d_squared / (sigma * sigma)).exp()
 }
 
-/// What the techniques of [`Analytic::Multiplexed`] give: 1 in the mean, all together.
+/// The densities of the techniques of [`Analytic::Multiplexed`]; their sum has the mean 1.
 fn techniques(x: f64, y: f64) -> [f64; 3] {
     [0.5, 0.6 * x, 0.6 * y * y]
 }
@@ -60,14 +63,14 @@ fn techniques(x: f64, y: f64) -> [f64; 3] {
 impl Target for Analytic {
     type Contribution = Observation;
 
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Observation) -> f64 {
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut Observation) -> f64 {
         let tau = std::f64::consts::TAU;
         let [x, y] = match self {
             Self::Ramp => {
-                let [x] = point.read(Stream::Camera, 0);
+                let [x] = sampler.get(dimensions::FILM);
                 [f64::from(x), 0.5]
             }
-            _ => point.read(Stream::Camera, 0).map(f64::from),
+            _ => sampler.get(dimensions::FILM).map(f64::from),
         };
         let mut coordinates = [f64::NAN; COORDINATES];
         (coordinates[0], coordinates[1]) = (x, y);
@@ -78,7 +81,7 @@ impl Target for Analytic {
                 let d = (x - y).rem_euclid(1.0);
                 let mut density = 0.05 + bell(d.min(1.0 - d).powi(2), 0.03);
                 if x < 0.5 {
-                    let [z] = point.read(Stream::Light, 2);
+                    let [z] = sampler.get(Dimension::new(Stream::Light, 2));
                     coordinates[2] = f64::from(z);
                     technique = 1;
                     density *= 2.0 * f64::from(z);
@@ -91,7 +94,7 @@ impl Target for Analytic {
             }
             Self::Swell => 1.0 + 0.5 * (tau * x).sin() * (tau * y).sin(),
             Self::Multiplexed => {
-                let [choice] = point.read(Stream::Connection, 0);
+                let [choice] = sampler.get(dimensions::TECHNIQUE);
                 technique = ((choice * 3.0) as usize).min(2);
                 let left_out = planted(Fault::TechniqueCountLeftOut);
                 techniques(x, y)[technique] * if left_out { 1.0 } else { 3.0 }
@@ -111,37 +114,45 @@ impl Target for Analytic {
     }
 }
 
-impl Subject for Analytic {
-    type Target = Self;
+/// Chains of an analytic target.
+#[derive(Clone, Copy, Debug)]
+pub struct AnalyticChains {
+    pub target: Analytic,
+    /// p_large.
+    pub large_step_probability: f32,
+}
 
-    fn target(&self) -> Self {
-        *self
+impl ChainTarget for AnalyticChains {
+    type Target<'t> = Analytic;
+
+    fn target(&self) -> Analytic {
+        self.target
     }
 
-    /// Steps long enough on the ramp that its end matters.
-    fn small_step(&self) -> SmallStep {
-        match self {
-            Self::Ramp => SmallStep::new(1.0 / 64.0, 0.25),
-            _ => SmallStep::default(),
-        }
+    /// On the ramp steps are long enough for its end to matter.
+    fn mutations(&self) -> Mutations {
+        let small_step = match self.target {
+            Analytic::Ramp => Perturbation::new(1.0 / 64.0, 0.25),
+            _ => Perturbation::default(),
+        };
+        Mutations::kelemen(self.large_step_probability, small_step)
     }
 
     /// Of a multiplexed target, with all techniques at every place.
-    fn plain(&self, seed: u64) -> Plain {
-        let mut target = *self;
+    fn independent(&self, seed: u64) -> IndependentEstimate {
+        let mut target = self.target;
         let mut out = Observation::default();
         let mut tiles = vec![0.0; TILES * TILES];
-        for i in 0..PLAIN {
-            let rng = sample_generator(seed, i);
-            let mut density = target.evaluate(&mut FreshCoordinates::new(rng), &mut out);
-            if *self == Self::Multiplexed {
+        for i in 0..INDEPENDENT {
+            let mut density = target.evaluate(&mut bootstrap::sample(seed, i), &mut out);
+            if target == Analytic::Multiplexed {
                 let [x, y, ..] = out.features.coordinates;
                 density = techniques(x, y).iter().sum();
             }
-            tiles[out.features.tile] += density / PLAIN as f64;
+            tiles[out.features.tile] += density / INDEPENDENT as f64;
         }
-        Plain {
-            samples: PLAIN,
+        IndependentEstimate {
+            samples: INDEPENDENT,
             tiles,
         }
     }

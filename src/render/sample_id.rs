@@ -1,15 +1,15 @@
-//! Where a sample came from, so that it can be made again.
+//! Names of samples, so that any can be made again.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// A sample of a render, found again from the scene, the integrator and the seed alone, whatever
-/// the budget was.
+/// A sample of a render: with the scene, the integrator and the seed it can be made again, whatever the
+/// budget was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// A sample of Monte Carlo.
+pub enum SampleId {
+    /// An independent sample of a pixel.
     Pixel {
         /// Which of the samples of the pixel, from 0 on.
         pass: u64,
@@ -21,18 +21,18 @@ pub enum Origin {
         /// Its index.
         sample: u64,
     },
-    /// What a Markov chain proposed.
+    /// A proposal of a Markov chain.
     Mutation {
         /// Index of the chain.
         chain: u64,
-        /// Index of the bootstrap sample that it started from.
+        /// Index of the bootstrap sample at which it started.
         start: u64,
         /// The step, from 1 on.
         step: u64,
     },
 }
 
-impl fmt::Display for Origin {
+impl fmt::Display for SampleId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pixel { pass, pixel } => write!(f, "pass={pass},pixel={pixel}"),
@@ -44,10 +44,10 @@ impl fmt::Display for Origin {
     }
 }
 
-impl FromStr for Origin {
+impl FromStr for SampleId {
     type Err = String;
 
-    /// Reads what [`fmt::Display`] writes.
+    /// Parses what [`fmt::Display`] writes.
     fn from_str(text: &str) -> Result<Self, String> {
         let fields: Option<Vec<(&str, u64)>> = text
             .split(',')
@@ -63,7 +63,7 @@ impl FromStr for Origin {
                 Ok(Self::Mutation { chain, start, step })
             }
             _ => Err(
-                "needed is what a render printed: pass=N,pixel=N or bootstrap=N or \
+                "expected what a render printed: pass=N,pixel=N or bootstrap=N or \
                  chain=N,start=N,step=N"
                     .into(),
             ),
@@ -71,38 +71,38 @@ impl FromStr for Origin {
     }
 }
 
-impl Serialize for Origin {
+impl Serialize for SampleId {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-/// Contributions that were NaN, infinite or negative: how many, and where the first ones came from.
+/// Contributions that were NaN, infinite or negative: their number, and the samples of the first ones.
 #[derive(Clone, Debug, Default)]
 pub struct NonFinite {
     /// All of them.
     pub count: u64,
-    /// The first ones.
-    pub origins: Vec<Origin>,
+    /// The samples of the first ones.
+    pub samples: Vec<SampleId>,
 }
 
 impl NonFinite {
-    /// Most origins that are kept: enough to find the fault.
-    const MOST: usize = 64;
+    /// Most names that are kept: enough to find the fault.
+    const MAX: usize = 64;
 
-    /// Counts `count` of them, all from `origin`.
-    pub fn add(&mut self, count: u64, origin: Origin) {
+    /// Adds `count` of them, all of one sample.
+    pub fn add(&mut self, count: u64, sample: SampleId) {
         self.count += count;
-        if self.origins.len() < Self::MOST {
-            self.origins.push(origin);
+        if self.samples.len() < Self::MAX {
+            self.samples.push(sample);
         }
     }
 
-    /// Adds others, which are known by number and by some of their origins.
-    pub fn extend(&mut self, count: u64, origins: impl Iterator<Item = Origin>) {
+    /// Adds `count` of them, of which some samples are known.
+    pub fn extend(&mut self, count: u64, samples: impl Iterator<Item = SampleId>) {
         self.count += count;
-        let room = Self::MOST - self.origins.len();
-        self.origins.extend(origins.take(room));
+        let room = Self::MAX - self.samples.len();
+        self.samples.extend(samples.take(room));
     }
 }
 
@@ -111,17 +111,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn origins_are_read_as_they_are_written() {
-        for origin in [
-            Origin::Pixel { pass: 3, pixel: 99 },
-            Origin::Bootstrap { sample: 7 },
-            Origin::Mutation {
+    fn names_are_read_as_they_are_written() {
+        for id in [
+            SampleId::Pixel { pass: 3, pixel: 99 },
+            SampleId::Bootstrap { sample: 7 },
+            SampleId::Mutation {
                 chain: 1,
                 start: 0,
                 step: u64::MAX,
             },
         ] {
-            assert_eq!(origin.to_string().parse(), Ok(origin));
+            assert_eq!(id.to_string().parse(), Ok(id));
         }
         for text in [
             "",
@@ -130,7 +130,7 @@ mod tests {
             "chain=1,start=1,step=0",
             "bootstrap=1,x=2",
         ] {
-            assert!(text.parse::<Origin>().is_err(), "{text}");
+            assert!(text.parse::<SampleId>().is_err(), "{text}");
         }
     }
 }

@@ -1,12 +1,12 @@
-//! An importance map of the image: a coarse picture of how bright it is, so that dark regions get
-//! their share of the work (Veach and Guibas 1997, "Metropolis light transport", section 5.3; Hoberock
+//! An importance map of the image: a coarse estimate of its luminance, so that dark regions get their
+//! share of the work (Veach and Guibas 1997, "Metropolis light transport", section 5.3; Hoberock
 //! and Hart 2010, "Arbitrary importance functions for Metropolis light transport").
 
 use crate::film::Splat;
 use crate::math::luminance;
 
-/// Brightness that is expected at every place of the film, in the unit of the image: positive
-/// everywhere, and constant within cells.
+/// Expected luminance at every place of the film, in the unit of the image: positive, and constant within
+/// cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportanceMap {
     columns: usize,
@@ -19,17 +19,16 @@ impl ImportanceMap {
     const SAMPLES: f64 = 64.0;
 
     /// Most cells.
-    const MOST: f64 = 1024.0;
+    const MAX_CELLS: f64 = 1024.0;
 
-    /// No cell is expected to be darker than this part of the mean of the image: what lies in the dark
-    /// may have been missed.
-    const DARKEST: f64 = 0.02;
+    /// No cell is darker than this part of the mean of the image: light there may have been missed.
+    const MIN_LEVEL: f64 = 0.02;
 
-    /// A splat counts for no more than this many times the mean of the image, lest a single bright path
-    /// brighten its cell.
-    const BRIGHTEST: f64 = 50.0;
+    /// A splat counts for at most this many times the mean of the image, so that a single bright path does
+    /// not dominate its cell.
+    const MAX_SPLAT: f64 = 50.0;
 
-    /// The brightness `level` > 0 everywhere.
+    /// The luminance `level` > 0 everywhere.
     pub fn uniform(level: f32) -> Self {
         Self {
             columns: 1,
@@ -44,9 +43,9 @@ impl ImportanceMap {
         if mean <= 0.0 {
             return Self::uniform(1.0);
         }
-        let cells = (samples as f64 / Self::SAMPLES).clamp(1.0, Self::MOST);
+        let cells = (samples as f64 / Self::SAMPLES).clamp(1.0, Self::MAX_CELLS);
         let aspect = f64::from(size[0]) / f64::from(size[1]);
-        let columns = (cells * aspect).sqrt().round().clamp(1.0, Self::MOST) as usize;
+        let columns = (cells * aspect).sqrt().round().clamp(1.0, Self::MAX_CELLS) as usize;
         let rows = ((cells / columns as f64).round() as usize).max(1);
         let mut map = Self {
             columns,
@@ -55,24 +54,24 @@ impl ImportanceMap {
         };
         let mut sums = vec![0.0; columns * rows];
         for splat in splats {
-            sums[map.cell(splat.position)] += brightness(splat).min(Self::BRIGHTEST * mean);
+            sums[map.cell(splat.position)] += splat_luminance(splat).min(Self::MAX_SPLAT * mean);
         }
         let per_sample = (columns * rows) as f64 / samples as f64;
         for row in 0..rows {
             for column in 0..columns {
                 let cell = map.blurred(&sums, column, row) * per_sample;
-                map.cells[row * columns + column] = cell.max(Self::DARKEST * mean) as f32;
+                map.cells[row * columns + column] = cell.max(Self::MIN_LEVEL * mean) as f32;
             }
         }
         map
     }
 
-    /// Mean brightness of the image that `samples` uniform samples show.
+    /// Mean luminance of the image, from the splats of `samples` uniform samples.
     pub fn mean(splats: &[Splat], samples: u64) -> f64 {
-        splats.iter().map(brightness).sum::<f64>() / samples.max(1) as f64
+        splats.iter().map(splat_luminance).sum::<f64>() / samples.max(1) as f64
     }
 
-    /// The brightness expected at `position`, in [0, 1)^2.
+    /// The expected luminance at `position`, in [0, 1)^2.
     #[inline]
     pub fn at(&self, position: [f32; 2]) -> f32 {
         self.cells[self.cell(position)]
@@ -100,7 +99,7 @@ impl ImportanceMap {
     }
 }
 
-fn brightness(splat: &Splat) -> f64 {
+fn splat_luminance(splat: &Splat) -> f64 {
     f64::from(luminance(splat.value))
 }
 
@@ -121,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_shows_what_the_samples_show() {
+    fn a_map_estimates_the_luminance() {
         let splats = two_halves();
         let map = ImportanceMap::new(&splats, splats.len() as u64, [64, 64]);
         for (position, expected) in [([0.1, 0.5], 1.0), ([0.9, 0.1], 3.0), ([0.7, 0.99], 3.0)] {
@@ -131,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn neither_darkness_nor_a_single_bright_splat_spoils_a_map() {
+    fn darkness_and_single_bright_splats_are_bounded() {
         let mut splats = two_halves();
         let samples = splats.len() as u64;
         splats.retain(|splat| splat.position[0] > 0.5);

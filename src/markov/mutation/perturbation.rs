@@ -1,16 +1,15 @@
-//! Small steps.
+//! Perturbations of a single coordinate.
 
 use std::fmt;
-use std::ops::Range;
 
 use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
 
 use crate::fault::{Fault, planted};
-use crate::sampling::Stream;
 
-/// A symmetric step on the circle [0, 1).
+/// A symmetric random step on the circle [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SmallStep {
+pub enum Perturbation {
     /// Its length is log-uniform between two bounds and its sign fair (Kelemen et al. 2002, section
     /// 3.1).
     LogUniform {
@@ -24,22 +23,22 @@ pub enum SmallStep {
         /// Standard deviation.
         deviation: f32,
     },
-    /// A fresh uniform number with some probability, else no move at all: for a coordinate whose
-    /// neighbouring values have nothing in common.
+    /// A new uniform number with some probability, else no change: for a coordinate whose neighbouring
+    /// values map to unrelated paths.
     Redraw {
-        /// Of a fresh number.
+        /// Of a new number.
         probability: f32,
     },
 }
 
-impl Default for SmallStep {
+impl Default for Perturbation {
     /// The lengths of Kelemen et al. (2002), section 3.1.
     fn default() -> Self {
         Self::new(1.0 / 1024.0, 1.0 / 64.0)
     }
 }
 
-impl SmallStep {
+impl Perturbation {
     /// Log-uniform steps of lengths in [`shortest`, `longest`], with 0 < `shortest` <= `longest` <=
     /// 1/2.
     pub fn new(shortest: f32, longest: f32) -> Self {
@@ -49,8 +48,7 @@ impl SmallStep {
         }
     }
 
-    /// `value` after one step: wrapped around the circle, never clamped, which would not be
-    /// symmetric.
+    /// `value` after one step, wrapped around the circle: clamping would not be symmetric.
     #[inline]
     pub fn apply(&self, value: f32, rng: &mut impl Rng) -> f32 {
         let moved = match *self {
@@ -66,7 +64,7 @@ impl SmallStep {
                 if up { value + length } else { value - length }
             }
             Self::Gaussian { deviation } => {
-                let moved = value + deviation * standard_normal(rng);
+                let moved = value + deviation * rng.sample::<f32, _>(StandardNormal);
                 moved - moved.floor()
             }
             Self::Redraw { probability } => {
@@ -83,12 +81,13 @@ impl SmallStep {
         wrap(moved)
     }
 
-    /// After so many steps a coordinate is uniform on the circle to 1e-12: no need to take them.
+    /// After so many steps a coordinate is uniform on the circle to 1e-12.
     pub fn steps_to_uniform(&self) -> u64 {
-        // ln(1e-12) = -27.6.
-        const ENOUGH: f64 = 27.6;
+        // -ln(1e-12).
+        const LOG_TOLERANCE: f64 = 27.6;
         // The slowest Fourier mode decays by exp(-2 pi^2 variance) a step, if that is small.
-        let by_variance = |variance: f64| ENOUGH / (2.0 * std::f64::consts::PI.powi(2) * variance);
+        let by_variance =
+            |variance: f64| LOG_TOLERANCE / (2.0 * std::f64::consts::PI.powi(2) * variance);
         let steps = match *self {
             Self::LogUniform {
                 longest,
@@ -102,7 +101,7 @@ impl SmallStep {
                     let ln_ratio = -f64::from(log2_ratio) * std::f64::consts::LN_2;
                     (longest * longest - shortest * shortest) / (2.0 * ln_ratio)
                 };
-                // Long steps of one length decay by cos(2 pi length), perhaps by nothing at all.
+                // Long steps of one length decay by cos(2 pi length), perhaps not at all.
                 if longest > 0.125 {
                     f64::INFINITY
                 } else {
@@ -110,14 +109,14 @@ impl SmallStep {
                 }
             }
             Self::Gaussian { deviation } => by_variance(f64::from(deviation).powi(2)),
-            Self::Redraw { probability } => ENOUGH / f64::from(probability),
+            Self::Redraw { probability } => LOG_TOLERANCE / f64::from(probability),
         };
         steps.ceil() as u64
     }
 }
 
-impl fmt::Display for SmallStep {
-    /// As `metrolight --small-step` takes it.
+impl fmt::Display for Perturbation {
+    /// `log:SHORTEST:LONGEST`, `gaussian:DEVIATION` or `redraw:PROBABILITY`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::LogUniform {
@@ -133,52 +132,7 @@ impl fmt::Display for SmallStep {
     }
 }
 
-/// A standard normal deviate (Box and Muller 1958, "A note on the generation of random normal
-/// deviates").
-#[inline]
-fn standard_normal(rng: &mut impl Rng) -> f32 {
-    let radius = (-2.0 * (1.0 - rng.random::<f32>()).ln()).sqrt();
-    radius * (std::f32::consts::TAU * rng.random::<f32>()).cos()
-}
-
-/// Which coordinates move by which steps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Steps {
-    /// Coordinates with steps of their own: the first that matches counts.
-    classes: Vec<(Stream, Range<usize>, SmallStep)>,
-    /// All others.
-    rest: SmallStep,
-}
-
-impl From<SmallStep> for Steps {
-    /// All coordinates move alike.
-    fn from(rest: SmallStep) -> Self {
-        Self {
-            classes: Vec::new(),
-            rest,
-        }
-    }
-}
-
-impl Steps {
-    /// The same, but for `coordinates` of `stream`.
-    #[must_use]
-    pub fn with(mut self, stream: Stream, coordinates: Range<usize>, step: SmallStep) -> Self {
-        self.classes.push((stream, coordinates, step));
-        self
-    }
-
-    /// How coordinate `index` of `stream` moves.
-    #[inline]
-    pub fn of(&self, stream: Stream, index: usize) -> SmallStep {
-        self.classes
-            .iter()
-            .find(|(s, coordinates, _)| *s == stream && coordinates.contains(&index))
-            .map_or(self.rest, |(.., step)| *step)
-    }
-}
-
-/// `value`, at most one turn out of [0, 1), brought back.
+/// `value`, which is in [-1, 2), on the circle [0, 1).
 #[inline]
 pub fn wrap(value: f32) -> f32 {
     let wrapped = if value >= 1.0 {

@@ -1,18 +1,18 @@
-//! What a sample of a chain weighs in an estimate.
+//! Kelemen's weights of the samples of a chain.
 
 use super::Sample;
 use crate::fault::{Fault, planted};
 
 /// The denominator I(u)/b_0 + p of Kelemen's weights (Kelemen et al. 2002, section 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weighing {
+pub struct KelemenWeights {
     /// b_0: any positive constant, best near b.
     pub b: f64,
     /// p: probability of a large step.
     pub large_step_probability: f64,
 }
 
-impl Weighing {
+impl KelemenWeights {
     /// The factors of a sample's contribution F(u) in the chain part and in the large-step part of
     /// an estimate (see [`super::chain`]), each still to be divided by the number of mutations. 0
     /// where the density is 0 or not finite.

@@ -1,0 +1,307 @@
+//! The chains of multiplexed Metropolis in a scene, and how they are started.
+//!
+//! A chain of `mmlt` stays at one path length. To test the chains of all lengths together, the length is
+//! one more coordinate of the state, which no mutation changes: the length k is chosen with a probability
+//! q_k in proportion to what a pilot estimates for b_k, and the density is I_k / q_k.
+//!
+//! Three tests are made of what only this method has. The clamped part and the residual of every path must
+//! sum to the path. The chains that redistribute the residuals of independent samples, as in a render, must
+//! estimate the same light as these residuals do, per tile and in all. And the independent estimate of the
+//! other tests is the residual found by bidirectional path tracing, not by single techniques.
+
+use rayon::prelude::*;
+
+use super::check::{Check, Family};
+use super::normalisation::MIN_EFFECTIVE;
+use super::observation::{ChainTarget, IndependentEstimate, Observation, TILES};
+use super::paths::{Brightest, ObservedSampler, light_of_tiles, set_film, tile};
+use crate::film::Splat;
+use crate::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
+use crate::markov::{Mutations, Perturbation, SmallStep, Target, bootstrap};
+use crate::math::luminance;
+use crate::render::MmltSettings;
+use crate::render::mmlt::target::MultiplexedTarget;
+use crate::render::mmlt::{self, Plan};
+use crate::sampling::{Dimension, Sampler, Stream};
+use crate::scene::Scene;
+use crate::statistics::{Moments, holm, welch};
+
+/// The coordinate that chooses the length.
+const LENGTH: Dimension = Dimension::new(Stream::Technique, 1);
+
+/// Independent samples of one task.
+const RUN: u64 = 1 << 12;
+
+/// Largest relative error of the sum of clamped part and residual: a few roundings.
+const ROUNDING: f32 = 1e-5;
+
+/// Numbers of samples that the tests of `mmlt` alone take.
+#[derive(Clone, Copy, Debug)]
+pub struct MmltSamples {
+    /// Samples of the pilot that estimates b_k, and of the independent estimate.
+    pub independent: u64,
+    /// Independent renders of the residual.
+    pub renders: u64,
+    /// Passes of each.
+    pub passes: u64,
+}
+
+impl Default for MmltSamples {
+    fn default() -> Self {
+        Self {
+            independent: 1 << 21,
+            renders: 16,
+            passes: 16,
+        }
+    }
+}
+
+/// The chains of `mmlt`.
+pub struct MmltChains<'a> {
+    scene: &'a Scene,
+    own: MmltSettings,
+    plan: Plan,
+    samples: MmltSamples,
+    /// All lengths with a residual.
+    lengths: Vec<Length>,
+}
+
+/// A path length k that chains may have.
+#[derive(Clone, Copy, Debug)]
+struct Length {
+    /// k.
+    edges: usize,
+    /// q_k.
+    probability: f64,
+    /// Upper end of its part of the unit interval.
+    end: f64,
+}
+
+impl<'a> MmltChains<'a> {
+    /// Of `scene`, which gets a small film with a box filter.
+    pub fn new(scene: &'a mut Scene, own: MmltSettings, seed: u64, samples: MmltSamples) -> Self {
+        set_film(scene);
+        let plan = Plan::new(scene, seed, &own, || false);
+        let mut chains = Self {
+            scene,
+            own,
+            plan,
+            samples,
+            lengths: Vec::new(),
+        };
+        chains.lengths = chains.lengths(seed);
+        chains
+    }
+
+    /// True if there is a residual for chains.
+    pub fn has_residual(&self) -> bool {
+        !self.lengths.is_empty()
+    }
+
+    /// Estimates b_k.
+    fn lengths(&self, seed: u64) -> Vec<Length> {
+        let by_length = self.residuals(seed, |energies: &mut Vec<f64>, edges, _, density| {
+            if energies.len() <= edges {
+                energies.resize(edges + 1, 0.0);
+            }
+            energies[edges] += density;
+        });
+        let longest = by_length.iter().map(Vec::len).max().unwrap_or(0);
+        let energy = |k: usize| by_length.iter().filter_map(|e| e.get(k)).sum::<f64>();
+        let energies: Vec<f64> = (0..longest).map(energy).collect();
+        let total: f64 = energies.iter().sum();
+        let mut end = 0.0;
+        let mut lengths = Vec::new();
+        for (edges, energy) in energies.into_iter().enumerate() {
+            if energy > 0.0 {
+                let probability = energy / total;
+                end += probability;
+                lengths.push(Length {
+                    edges,
+                    probability,
+                    end,
+                });
+            }
+        }
+        lengths
+    }
+
+    /// Hands the residual of every path of the independent samples to `add`, with the number of edges and
+    /// its density: one sum for each task.
+    fn residuals<T: Default + Send>(
+        &self,
+        seed: u64,
+        add: impl Fn(&mut T, usize, Splat, f64) + Sync,
+    ) -> Vec<T> {
+        let clamp = &self.plan.clamp;
+        let run = |run: u64| {
+            let mut sum = T::default();
+            let mut workspace = Workspace::default();
+            for i in run * RUN..(run + 1) * RUN {
+                let mut sampler = bootstrap::sample(seed, i);
+                let workspace = &mut workspace;
+                BidirectionalPathTracer.sample_paths(self.scene, &mut sampler, workspace, |path| {
+                    let edges = path.technique.edges();
+                    let [_, residual] = clamp.split(edges, path.splat());
+                    let density = f64::from(clamp.luminance(residual));
+                    if density > 0.0 && density.is_finite() {
+                        add(&mut sum, edges, residual, density);
+                    }
+                });
+            }
+            sum
+        };
+        let runs = self.samples.independent / RUN;
+        (0..runs).into_par_iter().map(run).collect()
+    }
+
+    /// The clamped part and the residual of every path sum to the path.
+    fn sum_of_parts(&self, seed: u64) -> Check {
+        let mut worst = 0.0f32;
+        let mut workspace = Workspace::default();
+        for i in 0..RUN {
+            let mut sampler = bootstrap::sample(seed, i);
+            BidirectionalPathTracer.sample_paths(
+                self.scene,
+                &mut sampler,
+                &mut workspace,
+                |path| {
+                    let splat = path.splat();
+                    let [clamped, residual] = self.plan.clamp.split(path.technique.edges(), splat);
+                    let whole = splat.value.max_element();
+                    let off = (clamped.value + residual.value - splat.value).abs();
+                    if whole > 0.0 && whole.is_finite() {
+                        worst = worst.max(off.max_element() / whole);
+                    }
+                },
+            );
+        }
+        // Without a random error: the hypothesis is true or false.
+        let p_value = if worst <= ROUNDING { 1.0 } else { 0.0 };
+        let name = "clamped part and residual sum to the path";
+        Check::new(Family::Normalisation, name, p_value)
+    }
+
+    /// Null hypothesis: the chains of a render estimate the residual. Welch's test compares the tiles of
+    /// independent renders' chains with those of independent samples, where both rest on enough of them.
+    fn redistribution(&self, seed: u64) -> Option<Check> {
+        let passes = self.samples.passes;
+        let own = MmltSettings {
+            plan: Some(self.plan.clone()),
+            ..self.own.clone()
+        };
+        let render = |i: u64| {
+            let seed = crate::sampling::seeds::part(seed, i);
+            light_of_tiles(&mmlt::residual_image(self.scene, &own, seed, passes).pixels)
+        };
+        let chains: Vec<Vec<f64>> = (0..self.samples.renders).map(render).collect();
+        // Batches of independent samples with the sum of squares of single ones.
+        type Sums = (Vec<f64>, Vec<f64>);
+        let batches: Vec<Sums> = self.residuals(seed, |(sums, squares): &mut Sums, _, splat, _| {
+            sums.resize(TILES * TILES, 0.0);
+            squares.resize(TILES * TILES, 0.0);
+            let (tile, light) = (tile(splat.position), f64::from(luminance(splat.value)));
+            sums[tile] += light;
+            squares[tile] += light * light;
+        });
+        let p_value = |tile: usize| {
+            let of = |sums: &Vec<f64>| sums.get(tile).copied().unwrap_or(0.0);
+            let sum: f64 = batches.iter().map(|(sums, _)| of(sums)).sum();
+            let square: f64 = batches.iter().map(|(_, squares)| of(squares)).sum();
+            // Chains start at as many samples again, relative to the number of these.
+            let pixels = f64::from(super::paths::PIXELS).powi(2);
+            let started = self.samples.renders as f64 * passes as f64 * pixels;
+            let share = (started / self.samples.independent as f64).min(1.0);
+            let is_testable = share * sum * sum > MIN_EFFECTIVE * square;
+            is_testable.then(|| {
+                let means = batches.iter().map(|(sums, _)| of(sums) / RUN as f64);
+                let independent: Moments = means.collect();
+                let chains: Moments = chains.iter().map(|tiles| tiles[tile]).collect();
+                welch(&independent, &chains)
+            })
+        };
+        let p_values: Vec<f64> = (0..TILES * TILES).filter_map(p_value).collect();
+        let least = holm(&p_values).into_iter().fold(1.0, f64::min);
+        let name = "redistributed residual and independent samples, tile by tile";
+        (!p_values.is_empty()).then(|| Check::new(Family::Normalisation, name, least))
+    }
+}
+
+impl ChainTarget for MmltChains<'_> {
+    type Target<'t>
+        = ObservedResidual<'t>
+    where
+        Self: 't;
+
+    fn target(&self) -> ObservedResidual<'_> {
+        let target =
+            |length: &Length| MultiplexedTarget::new(self.scene, &self.plan.clamp, length.edges);
+        ObservedResidual {
+            lengths: &self.lengths,
+            targets: self.lengths.iter().map(target).collect(),
+            splats: SplatList::default(),
+        }
+    }
+
+    fn mutations(&self) -> Mutations {
+        let stay = Perturbation::Redraw { probability: 0.0 };
+        let indices = LENGTH.index..LENGTH.index + 1;
+        let small_step = SmallStep::from(self.own.small_step);
+        mmlt::mutations(small_step.with(LENGTH.stream, indices, stay))
+    }
+
+    fn independent(&self, seed: u64) -> IndependentEstimate {
+        let sums = self.residuals(seed, |tiles: &mut Vec<f64>, _, splat, density| {
+            tiles.resize(TILES * TILES, 0.0);
+            tiles[tile(splat.position)] += density;
+        });
+        let mean = |tile: usize| {
+            let sum: f64 = sums.iter().filter_map(|tiles| tiles.get(tile)).sum();
+            sum / self.samples.independent as f64
+        };
+        IndependentEstimate {
+            samples: self.samples.independent,
+            tiles: (0..TILES * TILES).map(mean).collect(),
+        }
+    }
+
+    fn own_checks(&self, seed: u64) -> Vec<Check> {
+        let sum = self.sum_of_parts(seed);
+        std::iter::once(sum)
+            .chain(self.redistribution(seed))
+            .collect()
+    }
+}
+
+/// The residuals of all lengths as one target, observed.
+pub struct ObservedResidual<'a> {
+    lengths: &'a [Length],
+    targets: Vec<MultiplexedTarget<'a>>,
+    splats: SplatList,
+}
+
+impl Target for ObservedResidual<'_> {
+    type Contribution = Observation;
+
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut Observation) -> f64 {
+        // Choose the length.
+        let [u] = sampler.get::<1>(LENGTH);
+        let i = self.lengths.partition_point(|l| l.end <= f64::from(u));
+        let i = i.min(self.lengths.len() - 1);
+        let (length, target) = (self.lengths[i], &mut self.targets[i]);
+
+        // Evaluate the target of the render.
+        let mut observed = ObservedSampler::new(sampler);
+        let density = target.evaluate(&mut observed, &mut self.splats) / length.probability;
+        let technique = target.technique(&mut observed);
+        let mut brightest = Brightest::new();
+        self.splats
+            .iter()
+            .for_each(|splat| brightest.add(technique, splat));
+        brightest.observe(&observed, out);
+        if let Some(splat) = self.splats.iter().next() {
+            out.add(tile(splat.position), density);
+        }
+        density
+    }
+}

@@ -1,0 +1,59 @@
+//! What path tracing and bidirectional path tracing share: a camera subpath whose every vertex is
+//! connected to the lights, by hitting them (s = 0) and by next event estimation (s = 1).
+
+use glam::Vec2;
+
+use super::{Workspace, max_edges};
+use crate::path::{dimensions, trace_camera_subpath};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::technique::{
+    Connection, Hit, NextEvent, PathContribution, Technique, hit_environment, hit_light,
+};
+
+/// The MIS weights of paths with s <= 1: they depend on the techniques that a method combines.
+pub(super) trait LightWeights {
+    /// Weights a path of technique s = 0.
+    fn hit(hit: &Hit) -> Connection;
+    /// Weights a path of technique s = 1.
+    fn next_event(next_event: &NextEvent) -> Connection;
+}
+
+/// Traces a camera subpath and hands every path of techniques s = 0 and s = 1 that carries light to
+/// `visit`. Returns the film position at which the subpath starts.
+#[inline]
+pub(super) fn camera_paths<W: LightWeights, S: Sampler>(
+    scene: &Scene,
+    sampler: &mut S,
+    workspace: &mut Workspace,
+    visit: &mut impl FnMut(PathContribution),
+) -> Vec2 {
+    let edges = max_edges(scene);
+    let Workspace { camera, rays, .. } = workspace;
+    let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
+    trace_camera_subpath(scene, film, edges, sampler, rays, camera);
+    let mut previous = camera.start;
+    for (i, z) in (1..).zip(&camera.vertices) {
+        if let Some(hit) = hit_light(scene, z, i, previous) {
+            let technique = Technique::Hit { t: i + 1 };
+            visit(PathContribution::new(technique, film, W::hit(&hit)));
+        }
+        if i < edges
+            && let Some(next_event) = NextEvent::sample(scene, z, i, sampler, rays)
+        {
+            let technique = Technique::NextEvent { t: i + 1 };
+            let connection = W::next_event(&next_event);
+            visit(PathContribution::new(technique, film, connection));
+        }
+        previous = z.position();
+    }
+    let i = camera.vertices.len() + 1;
+    if i <= edges
+        && let Some(vertex) = &camera.environment
+        && let Some(hit) = hit_environment(scene, vertex, i)
+    {
+        let technique = Technique::Hit { t: i + 1 };
+        visit(PathContribution::new(technique, film, W::hit(&hit)));
+    }
+    film
+}

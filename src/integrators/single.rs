@@ -1,0 +1,90 @@
+//! One technique alone: the paths of multiplexed Metropolis (Hachisuka, Kaplanyan and Dachsbacher
+//! 2014, "Multiplexed Metropolis light transport", section 4).
+//!
+//! The dimensions are those of bidirectional path tracing, so that technique (s, t) maps a point of the
+//! hypercube to the same path as [`super::bdpt`] does. Subpaths are traced no further than that path.
+
+use glam::Vec2;
+
+use super::{PathSampler, Workspace};
+use crate::path::{dimensions, trace_camera_subpath, trace_light_subpath};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::technique::{
+    Connection, NextEvent, PathContribution, Technique, connect_to_camera, connect_vertices,
+    hit_environment, hit_light,
+};
+
+/// The paths of one technique, with their weights among all bidirectional techniques.
+#[derive(Clone, Copy, Debug)]
+pub struct SingleTechnique(pub Technique);
+
+impl PathSampler for SingleTechnique {
+    #[inline]
+    fn sample_paths<S: Sampler>(
+        &self,
+        scene: &Scene,
+        sampler: &mut S,
+        workspace: &mut Workspace,
+        mut visit: impl FnMut(PathContribution),
+    ) {
+        if let Some((film, connection)) = sample(scene, self.0, sampler, workspace) {
+            visit(PathContribution::new(self.0, film, connection));
+        }
+    }
+}
+
+/// The path that `technique` makes of a point, and its film position; `None` if it carries no light.
+#[inline]
+fn sample<S: Sampler>(
+    scene: &Scene,
+    technique: Technique,
+    sampler: &mut S,
+    workspace: &mut Workspace,
+) -> Option<(Vec2, Connection)> {
+    // The light subpath first: it ends early more often than the camera's, by leaving the scene.
+    let (s, t) = (technique.s(), technique.t());
+    if t == 1 && s < 2 {
+        // (1,1) is light tracing's alone: bidirectional path tracing has (0,2) for these paths.
+        return None;
+    }
+    if s >= 2 {
+        let Workspace { light, rays, .. } = &mut *workspace;
+        trace_light_subpath(scene, s - 1, sampler, rays, light);
+        let y = light.vertices.get(s - 2)?;
+        if !y.is_connectible(scene) {
+            return None;
+        }
+        if let Technique::Camera { .. } = technique {
+            return connect_to_camera(scene, y, s - 1, sampler, rays);
+        }
+    }
+    let Workspace {
+        camera,
+        light,
+        rays,
+    } = workspace;
+    let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
+    trace_camera_subpath(scene, film, t - 1, sampler, rays, camera);
+    let Some(z) = camera.vertices.get(t - 2) else {
+        // t - 2 surface vertices, and the last one at infinity.
+        let at_infinity = s == 0 && camera.vertices.len() == t - 2;
+        let vertex = camera.environment.as_ref().filter(|_| at_infinity)?;
+        return Some((film, hit_environment(scene, vertex, t - 1)?.connection()));
+    };
+    let connection = match technique {
+        Technique::Hit { .. } => {
+            hit_light(scene, z, t - 1, camera.position_before(t - 2))?.connection()
+        }
+        Technique::NextEvent { .. } => {
+            NextEvent::sample(scene, z, t - 1, sampler, rays)?.connection()
+        }
+        Technique::Camera { .. } => return None,
+        Technique::Join { .. } => {
+            let y = light.vertices.get(s - 2)?;
+            let z = Some(z).filter(|z| z.is_connectible(scene))?;
+            connect_vertices(scene, y, z, rays)?
+        }
+    };
+    Some((film, connection))
+}

@@ -1,0 +1,61 @@
+//! What all drivers have in common: work in blocks until the budget is spent, or until the error is small
+//! enough.
+
+use super::clock::Clock;
+use super::error::{ErrorEstimate, TargetError};
+use crate::film::Image;
+use crate::scene::RayCounts;
+
+/// A method at work.
+pub(super) trait Driver {
+    /// Takes a block of samples, or of mutations, of about the size that `clock` suggests.
+    fn advance(&mut self, clock: &Clock);
+
+    /// False if there is nothing to sample.
+    fn can_advance(&self) -> bool {
+        true
+    }
+
+    /// Samples or mutations so far.
+    fn samples(&self) -> u64;
+
+    /// Rays so far.
+    fn rays(&self) -> RayCounts;
+
+    /// True if the image is worth a look: every pixel has had a chance of light.
+    fn has_image(&self) -> bool {
+        true
+    }
+
+    /// True if the error can be estimated now.
+    fn has_error(&self) -> bool {
+        true
+    }
+
+    /// The image so far.
+    fn image(&mut self) -> Image;
+
+    /// The error of `image`, if it is wanted and known.
+    fn error(&self, image: &Image) -> Option<ErrorEstimate>;
+}
+
+/// Lets `driver` work until `clock` says that the budget is spent.
+pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: TargetError) {
+    while driver.can_advance() && !clock.is_over(driver.samples()) {
+        driver.advance(clock);
+
+        // End the render when its error is small enough.
+        let samples = driver.samples();
+        if driver.has_error() && target.is_due(samples) {
+            let image = driver.image();
+            let error = driver.error(&image);
+            clock.note(error.map_or(0.0, |error| target.check(samples, &error)));
+        }
+
+        // Show the image so far.
+        if driver.has_image() {
+            let rays = driver.rays().total();
+            clock.show(samples, rays, || driver.image());
+        }
+    }
+}

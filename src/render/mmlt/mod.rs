@@ -1,0 +1,290 @@
+//! Multiplexed Metropolis light transport for the paths that are too bright for independent samples.
+//!
+//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`clamp`]), and
+//! multiplexed Markov chains for the residual ([`redistribution`]): the sum of both is without bias.
+
+pub mod clamp;
+pub mod importance;
+pub mod pilot;
+mod redistribution;
+pub mod target;
+
+use std::time::Instant;
+
+pub use redistribution::mutations;
+
+use self::clamp::Clamp;
+use self::pilot::Pilot;
+use self::redistribution::{Redistribution, Residual};
+use super::clock::Clock;
+use super::driver::{Driver, drive};
+use super::error::{ErrorEstimate, TargetError};
+use super::estimate::{ImageEstimate, TileSplats};
+use super::passes::{PassLoop, TileBuffer};
+use super::pixel_sampler::PixelSampler;
+use super::statistics::{MmltStatistics, MutationStatistics};
+use super::{
+    Budget, Integrator, Observer, Rendering, Settings, Statistics, Unobserved, pixel_count,
+};
+use crate::film::{FilmSampler, Image};
+use crate::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
+use crate::markov::Perturbation;
+use crate::math::color::is_light;
+use crate::scene::{RayCounts, Scene};
+
+/// Settings of multiplexed Metropolis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MmltSettings {
+    /// How a small step perturbs all coordinates but the technique.
+    pub small_step: Perturbation,
+    /// Direct light is not clamped.
+    pub separate_direct: bool,
+    /// Use an importance map; otherwise all regions of the image count by their luminance.
+    pub importance_map: bool,
+    /// tau of [`clamp`]; `None` for the best.
+    pub threshold: Option<f32>,
+    /// Made by an earlier pilot for the same scene and settings; `None` to run one.
+    pub plan: Option<Plan>,
+}
+
+impl Default for MmltSettings {
+    fn default() -> Self {
+        Self {
+            // Over many scales, so that some steps suit features of any size.
+            small_step: Perturbation::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
+            separate_direct: true,
+            importance_map: true,
+            threshold: None,
+            plan: None,
+        }
+    }
+}
+
+/// What the pilot decides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// How the light is divided.
+    pub clamp: Clamp,
+    /// Samples of the pilot.
+    pub samples: u64,
+    /// Its rays.
+    pub rays: RayCounts,
+}
+
+impl Plan {
+    /// Runs a pilot, until `is_over` at the latest.
+    pub fn new(scene: &Scene, seed: u64, own: &MmltSettings, is_over: impl Fn() -> bool) -> Self {
+        let pilot = Pilot::run(scene, seed, is_over);
+        let size = [scene.film.width, scene.film.height];
+        Self {
+            clamp: Clamp::new(size, &pilot, own),
+            samples: pilot.samples,
+            rays: pilot.rays,
+        }
+    }
+}
+
+/// Renders `scene`.
+pub(super) fn render(
+    scene: &Scene,
+    settings: &Settings,
+    own: &MmltSettings,
+    observer: &dyn Observer,
+) -> Rendering {
+    let start = Instant::now();
+
+    // Let a pilot decide how the light is divided.
+    let plan = own.plan.clone().unwrap_or_else(|| {
+        observer.phase("pilot");
+        let is_over = || settings.pilot_is_over(start) || observer.interrupted();
+        Plan::new(scene, settings.seed, own, is_over)
+    });
+
+    // Take independent samples and redistribute their residuals, block by block.
+    observer.phase("rendering");
+    let mut driver = Mmlt::new(scene, settings, own, plan);
+    let mut clock = Clock::new(start, settings.budget, pixel_count(scene), observer);
+    let target = TargetError::new(settings, pixel_count(scene));
+    drive(&mut driver, &mut clock, target);
+    driver.finish(settings, &clock)
+}
+
+/// The image of the chains alone, after so many passes of a render of `scene`.
+pub fn residual_image(scene: &Scene, own: &MmltSettings, seed: u64, passes: u64) -> Image {
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(passes),
+        seed,
+        ..Settings::of(Integrator::Mmlt(own.clone()))
+    };
+    let plan = own.plan.clone();
+    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, own, || false));
+    let mut driver = Mmlt::new(scene, &settings, own, plan);
+    let pixels = pixel_count(scene);
+    let mut clock = Clock::new(Instant::now(), settings.budget, pixels, &Unobserved);
+    drive(&mut driver, &mut clock, TargetError::new(&settings, pixels));
+    driver.estimate.image(|pixel| driver.chains.value(pixel))
+}
+
+struct Mmlt<'a> {
+    scene: &'a Scene,
+    plan: Plan,
+    film: FilmSampler,
+    passes: PassLoop<MmltTile>,
+    estimate: ImageEstimate,
+    chains: Redistribution<'a>,
+}
+
+/// The clamped splats of a tile's samples, and their residuals.
+#[derive(Default)]
+struct MmltTile {
+    clamped: TileSplats,
+    residuals: Vec<Residual>,
+}
+
+impl TileBuffer for MmltTile {
+    fn clear(&mut self) {
+        self.clamped.clear();
+        self.residuals.clear();
+    }
+}
+
+impl Driver for Mmlt<'_> {
+    fn advance(&mut self, clock: &Clock) {
+        // Take independent samples: their clamped part counts at once.
+        let (scene, clamp, film) = (self.scene, &self.plan.clamp, &self.film);
+        let tiles = self
+            .passes
+            .advance(clock, |pixel, sampler, workspace, tile| {
+                sample(scene, clamp, film, sampler, workspace, tile);
+                tile.clamped.add_last(pixel);
+            });
+        let clamped = tiles.iter().map(|(tile, own)| (tile, &own.clamped));
+        self.estimate.add(clamped);
+
+        // Let chains redistribute the residual.
+        let residuals = tiles.iter().flat_map(|(_, own)| own.residuals.iter());
+        let residuals = residuals.copied().collect();
+        let samples = tiles.iter().map(|(tile, _)| tile.samples()).sum();
+        let non_finite = &mut self.estimate.non_finite;
+        self.chains.run(clamp, residuals, samples, non_finite);
+
+        // Record the pass for the error.
+        if self.passes.at_pass_end() {
+            self.chains.end_pass();
+            let (chains, samples) = (&self.chains, self.passes.samples());
+            self.estimate
+                .end_pass(|estimate, pixel| value(estimate, chains, pixel, samples));
+        }
+    }
+
+    fn samples(&self) -> u64 {
+        self.passes.samples()
+    }
+
+    fn rays(&self) -> RayCounts {
+        let all = [self.passes.rays(), self.chains.rays, self.plan.rays];
+        all.into_iter().sum()
+    }
+
+    fn has_image(&self) -> bool {
+        self.passes.is_complete()
+    }
+
+    fn has_error(&self) -> bool {
+        self.passes.at_pass_end()
+    }
+
+    fn image(&mut self) -> Image {
+        let samples = self.passes.samples();
+        let value = |pixel| value(&self.estimate, &self.chains, pixel, samples);
+        self.estimate.image(value)
+    }
+
+    fn error(&self, image: &Image) -> Option<ErrorEstimate> {
+        self.estimate.error(image)
+    }
+}
+
+/// Takes an independent sample: leaves its clamped splats in `tile.clamped.last`, and appends its residuals.
+#[inline]
+fn sample(
+    scene: &Scene,
+    clamp: &Clamp,
+    film: &FilmSampler,
+    sampler: &mut PixelSampler,
+    workspace: &mut Workspace,
+    tile: &mut MmltTile,
+) {
+    let MmltTile { clamped, residuals } = tile;
+    clamped.last.clear();
+    let start = *sampler;
+    BidirectionalPathTracer.sample_paths(scene, sampler, workspace, |path| {
+        let [below, residual] = clamp.split(path.technique.edges(), path.splat());
+        clamped.last.add(path.technique, below);
+        let density = f64::from(clamp.luminance(residual));
+        if density > 0.0 && is_light(residual.value) {
+            residuals.push(Residual {
+                sample: start,
+                technique: path.technique,
+                density: density / film.density(start.film()),
+            });
+        }
+    });
+}
+
+/// A pixel of the image after `samples` independent samples.
+#[inline]
+fn value(
+    estimate: &ImageEstimate,
+    chains: &Redistribution,
+    pixel: usize,
+    samples: u64,
+) -> [f64; 3] {
+    let (clamped, residual) = (estimate.value(pixel, samples), chains.value(pixel));
+    std::array::from_fn(|c| clamped[c] + residual[c])
+}
+
+impl<'a> Mmlt<'a> {
+    fn new(scene: &'a Scene, settings: &Settings, own: &MmltSettings, plan: Plan) -> Self {
+        let film = &scene.film;
+        Self {
+            film: FilmSampler::new(film.width, film.height, film.filter),
+            passes: PassLoop::new(scene, settings.seed),
+            estimate: ImageEstimate::new(scene, settings),
+            chains: Redistribution::new(scene, settings.seed, own.small_step),
+            scene,
+            plan,
+        }
+    }
+
+    fn finish(mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        let samples = self.passes.samples();
+        let image = self.image();
+        let error = self.error(&image);
+        let warnings = self.estimate.warnings(settings, samples, error.as_ref());
+        let rays = self.rays();
+        let mut statistics = Statistics::new(
+            self.scene,
+            settings,
+            [clock.elapsed(); 2],
+            samples,
+            rays,
+            self.estimate.non_finite,
+        );
+        let counters = &self.chains.counters;
+        statistics.mmlt = Some(MmltStatistics {
+            threshold: self.plan.clamp.threshold,
+            energy_per_mutation: self.plan.clamp.energy,
+            chains: self.chains.chains,
+            mutations: MutationStatistics::all(counters),
+            longest_rejection_run: counters.longest_rejection_run,
+        });
+        Rendering {
+            image,
+            error,
+            statistics,
+            interrupted: clock.was_cut_short(samples),
+            warnings,
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Energy redistribution (Cline et al. 2005, "Energy redistribution path tracing") by multiplexed chains
+//! (Hachisuka et al. 2014): chains start at independent samples, in proportion to their residuals.
+//!
+//! N independent samples find residuals with densities T_1, T_2, ... and sum W, so that W/N estimates b =
+//! sum b_k without bias. They are resampled in proportion to T: each of n chains starts at one of them and
+//! makes m mutations. On average over the independent samples, the chains are in equilibrium from their
+//! first state on, so that
+//!
+//!   (W/N) (1/(n m)) sum over all visits of F/I
+//!
+//! estimates the integral of F without bias, for any n and m, even if no chain leaves the neighbourhood of
+//! its start: there is no start-up bias, and no separate estimate of b (Veach and Guibas 1997, section
+//! 5.1, weight their chains in the same way).
+//!
+//! This is done anew for every block of samples. Every sample of the render refines b_k, like the large
+//! steps of other chains, and is a possible start of a chain. So the chains need no large steps.
+//!
+//! Resampling is systematic, over the samples in the order of their path lengths: every length has
+//! mutations in proportion to its b_k, up to the rounding of one chain.
+
+use rand::RngExt;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::clamp::Clamp;
+use super::target::{MultiplexedTarget, WithTechnique};
+use crate::fault::{Fault, planted};
+use crate::film::{Splat, SplatFilm, SplatLog};
+use crate::integrators::SplatList;
+use crate::markov::{
+    Chain, ChainCounters, Mutation, Mutations, Perturbation, Sample, SmallStep, systematic_resample,
+};
+use crate::math::color::saturated;
+use crate::path::dimensions;
+use crate::render::NonFinite;
+use crate::render::pixel_sampler::PixelSampler;
+use crate::sampling::seeds::{self, Purpose};
+use crate::scene::{RayCounts, Scene};
+use crate::technique::Technique;
+
+/// Mutations of a chain: fewest, where the block has found little, and most.
+const MUTATIONS: [f64; 2] = [64.0, 8192.0];
+
+/// Most mutations per independent sample: where they do not suffice, each carries more energy.
+const MAX_PER_SAMPLE: f64 = 8.0;
+
+/// Probability with which a step draws the technique anew. Otherwise it stays: neighbouring values of this
+/// coordinate mean the same technique or unrelated paths.
+const TECHNIQUE_REDRAW: f32 = 0.02;
+
+/// The residual of a path that an independent sample has found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Residual {
+    /// The sample.
+    pub sample: PixelSampler,
+    /// The technique that found the path.
+    pub technique: Technique,
+    /// T: the luminance in units of the importance map, over the density with which pixel samples place
+    /// samples on the film.
+    pub density: f64,
+}
+
+/// Mutations of the chains: small steps alone, which seldom change the technique.
+pub fn mutations(small_step: impl Into<SmallStep>) -> Mutations {
+    let redraw = Perturbation::Redraw {
+        probability: TECHNIQUE_REDRAW,
+    };
+    let technique = dimensions::TECHNIQUE;
+    let indices = technique.index..technique.index + 1;
+    let small_step = small_step.into().with(technique.stream, indices, redraw);
+    Mutations::new([(1.0, Mutation::SmallStep(small_step))])
+}
+
+/// Number of chains of a block whose residuals have the sum `total`, over `samples` samples, and the
+/// mutations of each.
+fn plan(total: f64, samples: u64, energy: f64) -> (usize, u64) {
+    let [fewest, most] = MUTATIONS;
+    let wanted = (total / energy).min(MAX_PER_SAMPLE * samples as f64);
+    let mutations = wanted.clamp(fewest, most) as u64;
+    ((wanted / mutations as f64).ceil() as usize, mutations)
+}
+
+/// The chains of a render.
+pub(super) struct Redistribution<'a> {
+    scene: &'a Scene,
+    seed: u64,
+    mutations: Mutations,
+    /// Splats of the chains: of all complete passes, and of the current one.
+    complete: SplatFilm,
+    current: SplatFilm,
+    /// Independent samples of the passes of either.
+    complete_samples: u64,
+    current_samples: u64,
+    /// Blocks redistributed.
+    blocks: u64,
+    logs: Vec<SplatLog>,
+    /// Rays of the chains.
+    pub rays: RayCounts,
+    /// Chains started.
+    pub chains: u64,
+    /// Their events.
+    pub counters: ChainCounters,
+}
+
+impl<'a> Redistribution<'a> {
+    /// No chain yet.
+    pub fn new(scene: &'a Scene, seed: u64, small_step: Perturbation) -> Self {
+        let film = &scene.film;
+        let film = SplatFilm::new(film.width, film.height, film.filter);
+        Self {
+            scene,
+            seed,
+            mutations: mutations(small_step),
+            complete: film.clone(),
+            current: film,
+            complete_samples: 0,
+            current_samples: 0,
+            blocks: 0,
+            logs: Vec::new(),
+            rays: RayCounts::default(),
+            chains: 0,
+            counters: ChainCounters::default(),
+        }
+    }
+
+    /// Redistributes the residuals that a block of `samples` samples has found.
+    pub fn run(
+        &mut self,
+        clamp: &Clamp,
+        mut residuals: Vec<Residual>,
+        samples: u64,
+        non_finite: &mut NonFinite,
+    ) {
+        // Start chains in proportion to the densities: every length gets its share.
+        residuals.sort_by_key(|residual| residual.technique.edges());
+        if planted(Fault::LengthShares) {
+            residuals.iter_mut().for_each(|residual| {
+                residual.density *= residual.technique.edges() as f64 / 3.0;
+            });
+        }
+        let densities: Vec<f64> = residuals.iter().map(|residual| residual.density).collect();
+        let total: f64 = densities.iter().sum();
+        let (chains, mutations) = plan(total, samples, clamp.energy);
+        let mut rng = self.generator(0);
+        let mut starts = systematic_resample(&densities, chains, rng.random());
+        if planted(Fault::ResampledUniformly) {
+            starts = (0..starts.len())
+                .map(|i| i * residuals.len() / starts.len())
+                .collect();
+        }
+        let mut weight = total / (starts.len() as u64 * mutations) as f64;
+        if planted(Fault::ChainWeightOff) {
+            weight *= 1.2;
+        }
+
+        // Run them in parallel.
+        let mut logs = std::mem::take(&mut self.logs);
+        logs.truncate(starts.len());
+        logs.resize_with(starts.len(), SplatLog::new);
+        let shared = &*self;
+        let run = |(i, (&start, log)): (usize, (&usize, &mut SplatLog))| {
+            log.clear();
+            let rng = shared.generator(i as u64 + 1);
+            shared.chain(clamp, residuals[start], rng, mutations, weight, log)
+        };
+        let work = starts.par_iter().zip(logs.par_iter_mut()).enumerate();
+        let done: Vec<(ChainCounters, RayCounts)> = work.map(run).collect();
+
+        // Add their splats to the film.
+        for (counters, rays) in &done {
+            self.chains += 1;
+            self.counters.merge(counters);
+            self.rays += *rays;
+            non_finite.extend(counters.non_finite, std::iter::empty());
+        }
+        self.current.apply(&logs.iter().collect::<Vec<_>>());
+        self.logs = logs;
+        self.current_samples += samples;
+        self.blocks += 1;
+    }
+
+    /// Every pixel has been sampled once more.
+    pub fn end_pass(&mut self) {
+        self.complete.take(&mut self.current);
+        self.complete_samples += std::mem::take(&mut self.current_samples);
+    }
+
+    /// The estimate of the residual at a pixel. In an incomplete pass chains start in a part of the image
+    /// only, so it does not count unless there is no other.
+    pub fn value(&self, pixel: usize) -> [f64; 3] {
+        let (film, samples) = if self.complete_samples > 0 {
+            (&self.complete, self.complete_samples)
+        } else {
+            (&self.current, self.current_samples)
+        };
+        film.sum(pixel).map(|sum| sum / samples.max(1) as f64)
+    }
+
+    /// A generator of this block: 0 for the choice of starts, the others for its chains.
+    fn generator(&self, index: u64) -> Xoshiro256PlusPlus {
+        let index = (self.blocks << 32) + index;
+        seeds::generator(self.seed, Purpose::Redistribution, index)
+    }
+
+    /// A chain from `start` on, all of whose visits have the weight `weight`.
+    fn chain(
+        &self,
+        clamp: &Clamp,
+        start: Residual,
+        mut rng: Xoshiro256PlusPlus,
+        mutations: u64,
+        weight: f64,
+        log: &mut SplatLog,
+    ) -> (ChainCounters, RayCounts) {
+        let technique = start.technique;
+        let mut target = MultiplexedTarget::new(self.scene, clamp, technique.edges());
+        let start = WithTechnique::new(start.sample, technique, rng.random());
+        let mut chain = Chain::start(&mut target, start, rng, self.mutations.clone());
+        for _ in 0..mutations {
+            log_sample(log, chain.step(&mut target).1, weight);
+        }
+        log_sample(log, chain.current(), weight);
+        (chain.counters, target.rays())
+    }
+}
+
+/// Logs a sample with the weight that it has gathered.
+#[inline]
+fn log_sample(log: &mut SplatLog, sample: &Sample<SplatList>, weight: f64) {
+    let visits = sample.weights.chain;
+    if visits > 0.0 && sample.density > 0.0 {
+        let factor = (weight * visits / sample.density) as f32;
+        for Splat { position, value } in sample.contribution.iter() {
+            log.push(Splat {
+                position,
+                value: saturated(value * factor),
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chains_have_the_energy_that_is_wanted_within_limits() {
+        assert_eq!(plan(0.0, 100, 1.0), (0, 64));
+        assert_eq!(plan(64.0, 100, 1.0), (1, 64));
+        assert_eq!(plan(1e6, 1 << 16, 1.0), (64, 8192));
+        assert_eq!(plan(3e5, 1 << 16, 1.0), (37, 8192));
+    }
+}

@@ -1,0 +1,147 @@
+//! The target of the chains of multiplexed Metropolis.
+
+use super::clamp::Clamp;
+use crate::fault::{Fault, planted};
+use crate::film::Splat;
+use crate::integrators::{PathSampler, SingleTechnique, SplatList, Workspace};
+use crate::markov::Target;
+use crate::math::color;
+use crate::path::dimensions;
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{RayCounts, Scene};
+use crate::technique::Technique;
+
+/// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section
+/// 4.2). The density is the luminance of the residual, in units of the importance map, times the number of
+/// techniques of that length: its mean b_k is that of the sum over all techniques.
+pub struct MultiplexedTarget<'a> {
+    scene: &'a Scene,
+    clamp: &'a Clamp,
+    /// k: number of edges of the paths.
+    edges: usize,
+    workspace: Workspace,
+}
+
+impl<'a> MultiplexedTarget<'a> {
+    /// The residual of the paths of `edges` edges.
+    pub fn new(scene: &'a Scene, clamp: &'a Clamp, edges: usize) -> Self {
+        Self {
+            scene,
+            clamp,
+            edges,
+            workspace: Workspace::default(),
+        }
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> RayCounts {
+        self.workspace.rays
+    }
+
+    /// The technique that the point chooses.
+    #[inline]
+    pub fn technique<S: Sampler>(&self, sampler: &mut S) -> Technique {
+        let count = Technique::count(self.edges);
+        let [choice] = sampler.get::<1>(dimensions::TECHNIQUE);
+        let mut i = ((choice * count as f32) as usize).min(count - 1);
+        if planted(Fault::TechniqueOneOff) {
+            i = (i + 1) % count;
+        }
+        Technique::nth(self.edges, i)
+    }
+}
+
+impl Target for MultiplexedTarget<'_> {
+    type Contribution = SplatList;
+
+    #[inline]
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut SplatList) -> f64 {
+        out.clear();
+        let technique = self.technique(sampler);
+        let mut count = Technique::count(self.edges) as f32;
+        if planted(Fault::TechniqueCountLeftOut) {
+            count = 1.0;
+        }
+        let mut density = 0.0;
+        let path_sampler = SingleTechnique(technique);
+        path_sampler.sample_paths(self.scene, sampler, &mut self.workspace, |path| {
+            if !color::is_light(path.splat().value) {
+                density = f64::NAN;
+                return;
+            }
+            let [_, mut residual] = self.clamp.split(self.edges, path.splat());
+            if planted(Fault::OtherThreshold) {
+                let mut half = path.splat();
+                half.value *= 0.5;
+                [_, residual] = self.clamp.split(self.edges, half);
+                residual.value *= 2.0;
+            }
+            let splat = Splat {
+                value: color::saturated(residual.value * count),
+                ..residual
+            };
+            out.add(technique, splat);
+            density = f64::from(self.clamp.luminance(splat));
+        });
+        density
+    }
+}
+
+/// A sample with a technique: where a chain starts.
+#[derive(Clone, Copy, Debug)]
+pub struct WithTechnique<S> {
+    sample: S,
+    choice: f32,
+}
+
+impl<S> WithTechnique<S> {
+    /// `sample` with a technique coordinate that chooses `technique`; `u` in [0, 1) is the place within
+    /// its part of the unit interval.
+    pub fn new(sample: S, technique: Technique, u: f32) -> Self {
+        let count = Technique::count(technique.edges()) as f32;
+        let choice = (technique.index() as f32 + u) / count;
+        Self {
+            sample,
+            choice: choice.min(1.0 - f32::EPSILON / 2.0),
+        }
+    }
+}
+
+impl<S: Sampler> Sampler for WithTechnique<S> {
+    #[inline]
+    fn get<const N: usize>(&mut self, first: Dimension) -> [f32; N] {
+        if first.stream == dimensions::TECHNIQUE.stream {
+            std::array::from_fn(|_| self.choice)
+        } else {
+            self.sample.get(first)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::IndependentSampler;
+    use crate::sampling::seeds::Purpose;
+
+    #[test]
+    fn a_start_chooses_its_technique() {
+        for edges in 1..9 {
+            for i in 0..Technique::count(edges) {
+                let technique = Technique::nth(edges, i);
+                for u in [0.0, 0.5, 1.0 - f32::EPSILON / 2.0] {
+                    let sample = IndependentSampler::new(0, Purpose::Tests, 0);
+                    let mut start = WithTechnique::new(sample, technique, u);
+                    let [choice] = start.get::<1>(dimensions::TECHNIQUE);
+                    let count = Technique::count(edges) as f32;
+                    // Rounding may put the upper end of an interval into the next one.
+                    let chosen = (choice * count) as usize;
+                    assert!(
+                        chosen == i || (u > 0.9 && chosen == i + 1),
+                        "{technique} {u}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The pass loop: one sample of every pixel in each pass, tile by tile.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::clock::Clock;
+use super::pixel_sampler::{PixelSampler, PixelSamples};
+use crate::integrators::Workspace;
+use crate::scene::{RayCounts, Scene};
+
+/// Pixels of one tile.
+const TILE: u64 = 256;
+
+/// Tiles that are sampled at once, if a pass has so many, so that no thread waits.
+const MIN_TILES: u64 = 8;
+
+/// Samples between two checks of the clock.
+const BLOCK: u64 = 1 << 16;
+
+/// Consecutive pixels, one sample each.
+pub(super) struct Tile {
+    /// The pass.
+    pub pass: u64,
+    /// Indices of the pixels, in rows from the top.
+    pub pixels: Range<u64>,
+}
+
+impl Tile {
+    /// Number of samples.
+    pub fn samples(&self) -> u64 {
+        self.pixels.end - self.pixels.start
+    }
+}
+
+/// Memory of a tile, used again for later ones.
+pub(super) trait TileBuffer: Default + Send + Sync {
+    /// Removes everything.
+    fn clear(&mut self);
+}
+
+/// The state of the loop. The samples depend on scene and seed alone.
+pub(super) struct PassLoop<B> {
+    samples: PixelSamples,
+    tiles_per_pass: u64,
+    next_tile: u64,
+    buffers: Vec<(Workspace, B)>,
+    done: u64,
+}
+
+impl<B: TileBuffer> PassLoop<B> {
+    /// At the beginning of the first pass.
+    pub fn new(scene: &Scene, seed: u64) -> Self {
+        let samples = PixelSamples::new(scene, seed);
+        Self {
+            tiles_per_pass: samples.pixels().div_ceil(TILE),
+            samples,
+            next_tile: 0,
+            buffers: Vec::new(),
+            done: 0,
+        }
+    }
+
+    /// Takes the next samples, about as many as `clock` suggests, in parallel: `sample` is given each
+    /// pixel and its sample. Returns the tiles in their order, with what their samples left in the buffer.
+    pub fn advance(
+        &mut self,
+        clock: &Clock,
+        sample: impl Fn(u64, &mut PixelSampler, &mut Workspace, &mut B) + Sync,
+    ) -> Vec<(Tile, &B)> {
+        // A block has whole tiles, all of one pass.
+        let left_in_pass = self.tiles_per_pass - self.next_tile % self.tiles_per_pass;
+        let block = clock.block(self.done, BLOCK).div_ceil(TILE);
+        let block = block.max(MIN_TILES).min(left_in_pass);
+        let first = self.next_tile;
+        let tile = |i: usize| {
+            let index = first + i as u64;
+            let begin = index % self.tiles_per_pass * TILE;
+            Tile {
+                pass: index / self.tiles_per_pass,
+                pixels: begin..self.samples.pixels().min(begin + TILE),
+            }
+        };
+        let tiles: Vec<Tile> = (0..block as usize).map(tile).collect();
+        let needed = self.buffers.len().max(tiles.len());
+        self.buffers.resize_with(needed, Default::default);
+        let samples = &self.samples;
+        let active = tiles.par_iter().zip(self.buffers.par_iter_mut());
+        active.for_each(|(tile, (workspace, buffer))| {
+            buffer.clear();
+            for pixel in tile.pixels.clone() {
+                let mut sampler = samples.sample(tile.pass, pixel);
+                sample(pixel, &mut sampler, workspace, buffer);
+            }
+        });
+        self.done += tiles.iter().map(Tile::samples).sum::<u64>();
+        self.next_tile += block;
+        let buffers = self.buffers.iter().map(|(_, buffer)| buffer);
+        tiles.into_iter().zip(buffers).collect()
+    }
+
+    /// True if every pixel has equally many samples.
+    pub fn at_pass_end(&self) -> bool {
+        self.next_tile.is_multiple_of(self.tiles_per_pass)
+    }
+
+    /// Samples taken.
+    pub fn samples(&self) -> u64 {
+        self.done
+    }
+
+    /// True if every pixel has a sample.
+    pub fn is_complete(&self) -> bool {
+        self.done >= self.samples.pixels()
+    }
+
+    /// Rays traced.
+    pub fn rays(&self) -> RayCounts {
+        self.buffers.iter().map(|(w, _)| w.rays).sum()
+    }
+}

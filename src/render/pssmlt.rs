@@ -1,0 +1,414 @@
+//! Primary sample space Metropolis light transport (Kelemen et al. 2002): points of the hypercube are the
+//! states of Markov chains.
+//!
+//! With M mutations in all, chain weights c and large-step weights l of every sample (see
+//! [`crate::markov::chain`]), and b_0 the estimate of b from the bootstrap, the image is
+//!
+//!   (1/M) sum F(u) (c b/b_0 + l) / (I(u)/b_0 + p).
+//!
+//! For b = b_0 this is Kelemen's estimator (Kelemen et al. 2002, section 4). For any fixed b_0 > 0 it
+//! is unbiased if b is: E[c-part] = (1/b) int F I / (I/b_0 + p), E[l-part] = p int F / (I/b_0 + p),
+//! and with the factor b/b_0 on the first the two sum to int F. So b is refined by all large steps until
+//! the end; the sums with c and with l are kept in two films.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::clock::Clock;
+use super::driver::{Driver, drive};
+use super::error::{ErrorEstimate, GroupWork, Groups, TargetError};
+use super::target::SplatTarget;
+use super::{
+    Budget, NonFinite, Observer, PssmltSettings, PssmltStatistics, Rendering, SampleId, Settings,
+    Statistics, pixel_count, warnings,
+};
+use crate::film::{Image, Splat, SplatFilm, SplatLog};
+use crate::integrators::{PathSampler, SplatList};
+use crate::markov::{Bootstrap, BootstrapLimits, Chain, KelemenWeights, Mutations, Sample};
+use crate::math::color::{saturated, to_pixel};
+use crate::sampling::seeds;
+use crate::scene::{RayCounts, Scene};
+use crate::statistics::Moments;
+
+/// Mutations that a chain makes before the next one continues.
+const BATCH: u64 = 256;
+
+/// Mutations between two checks of the clock.
+const BLOCK: u64 = 1 << 16;
+
+/// Chains that make their batches at once, if there are so many.
+const MIN_WORKERS: u64 = 64;
+
+/// The bootstrap continues until b has this relative standard error, within its limits.
+const BOOTSTRAP_ERROR: f64 = 0.01;
+
+/// Bounds on the number of bootstrap samples, unless the user gives the number.
+const BOOTSTRAP_SAMPLES: [u64; 2] = [1 << 17, 1 << 22];
+
+/// Renders the paths of `path_sampler` by Markov chains.
+pub(super) fn render<P: PathSampler + Copy + Send>(
+    scene: &Scene,
+    path_sampler: P,
+    settings: &Settings,
+    own: &PssmltSettings,
+    observer: &dyn Observer,
+) -> Rendering {
+    let start = Instant::now();
+    let pixels = pixel_count(scene);
+
+    // Estimate b from independent samples.
+    observer.phase("bootstrap");
+    let target = || SplatTarget::new(scene, path_sampler);
+    let (bootstrap, bootstrap_rays) = bootstrap(target, pixels, settings, own, start, observer);
+
+    // Start every chain at one of them, chosen in proportion to its density.
+    observer.phase("mutating");
+    let starts = bootstrap.starts(own.chains as usize);
+    let mutations = Mutations::kelemen(own.large_step_probability, own.small_step);
+    let generators = seeds::chain_generators(settings.seed, starts.len());
+    let chains: Vec<Chain<SplatList>> = starts
+        .par_iter()
+        .zip(generators)
+        .map(|(&start, rng)| {
+            let start = bootstrap.sample(start);
+            Chain::start(&mut target(), start, rng, mutations.clone())
+        })
+        .collect();
+
+    // Mutate until the budget is spent or the error is small enough.
+    let film = SplatFilm::new(scene.film.width, scene.film.height, scene.film.filter);
+    let groups = || Groups::new(chains.len(), &film);
+    let mut driver = Pssmlt {
+        scene,
+        path_sampler,
+        groups: settings.wants_error().then(groups),
+        weights: KelemenWeights {
+            b: bootstrap.moments.mean,
+            large_step_probability: mutations.large_step_probability(),
+        },
+        bootstrap,
+        bootstrap_rays,
+        starts,
+        chains,
+        next_chain: 0,
+        chain_film: film.clone(),
+        large_film: film,
+        workers: Vec::new(),
+        done: 0,
+    };
+    let mut clock = Clock::new(start, settings.budget, pixels, observer);
+    let target = TargetError::new(settings, pixels);
+    drive(&mut driver, &mut clock, target);
+    driver.finish(settings, own, &clock)
+}
+
+/// Takes bootstrap samples, and counts their rays.
+fn bootstrap<'a, P: PathSampler>(
+    target: impl Fn() -> SplatTarget<'a, P> + Sync,
+    pixels: u64,
+    settings: &Settings,
+    own: &PssmltSettings,
+    start: Instant,
+    observer: &dyn Observer,
+) -> (Bootstrap, RayCounts) {
+    let limits = bootstrap_limits(own.bootstrap, settings.budget, pixels);
+    // Of a budget of time the bootstrap may take a tenth, or half if its size was given.
+    let deadline = match (settings.budget, own.bootstrap) {
+        (Budget::Seconds(seconds), None) => 0.1 * seconds,
+        (Budget::Seconds(seconds), Some(_)) => 0.5 * seconds,
+        (Budget::SamplesPerPixel(_) | Budget::Unlimited, _) => f64::INFINITY,
+    };
+    let rays = Mutex::new(RayCounts::default());
+    let bootstrap = Bootstrap::run(
+        settings.seed,
+        limits,
+        target,
+        |target| {
+            if let Ok(mut rays) = rays.lock() {
+                *rays += target.rays();
+            }
+        },
+        |done| {
+            observer.progress(done as f64 / limits.at_most as f64, None);
+            done > 0 && start.elapsed().as_secs_f64() > deadline || observer.interrupted()
+        },
+    );
+    (bootstrap, rays.into_inner().unwrap_or_default())
+}
+
+fn bootstrap_limits(samples: Option<u64>, budget: Budget, pixels: u64) -> BootstrapLimits {
+    let [least, most] = BOOTSTRAP_SAMPLES;
+    let (at_least, at_most, relative_error) = match (samples, budget) {
+        (Some(n), _) => (n, n, 0.0),
+        (None, Budget::Seconds(_) | Budget::Unlimited) => (least, most, BOOTSTRAP_ERROR),
+        (None, Budget::SamplesPerPixel(n)) => {
+            // An eighth of the mutations, which refine b as well, but enough to start from.
+            let most = (n.saturating_mul(pixels) / 8).clamp(least, most);
+            (least, most, BOOTSTRAP_ERROR)
+        }
+    };
+    BootstrapLimits {
+        at_least,
+        at_most,
+        relative_error,
+    }
+}
+
+struct Pssmlt<'a, P> {
+    scene: &'a Scene,
+    path_sampler: P,
+    bootstrap: Bootstrap,
+    bootstrap_rays: RayCounts,
+    /// Kelemen's weights with b_0.
+    weights: KelemenWeights,
+    /// Bootstrap samples at which the chains started.
+    starts: Vec<usize>,
+    chains: Vec<Chain<SplatList>>,
+    next_chain: usize,
+    /// Splats with chain weights, and with large-step weights.
+    chain_film: SplatFilm,
+    large_film: SplatFilm,
+    /// Present if the error is wanted.
+    groups: Option<Groups>,
+    workers: Vec<Worker<'a, P>>,
+    done: u64,
+}
+
+/// What one chain needs for a batch, kept apart so that batches run in parallel.
+struct Worker<'a, P> {
+    target: SplatTarget<'a, P>,
+    chain_log: SplatLog,
+    large_log: SplatLog,
+}
+
+impl<P> Worker<'_, P> {
+    /// Logs a sample with the weight that it has gathered.
+    #[inline]
+    fn log(&mut self, weights: &KelemenWeights, sample: &Sample<SplatList>) {
+        let [chain, large] = weights.factors(sample).map(|factor| factor as f32);
+        if chain <= 0.0 && large <= 0.0 {
+            return;
+        }
+        for Splat { position, value } in sample.contribution.iter() {
+            for (factor, log) in [(chain, &mut self.chain_log), (large, &mut self.large_log)] {
+                if factor > 0.0 {
+                    let value = saturated(value * factor);
+                    log.push(Splat { position, value });
+                }
+            }
+        }
+    }
+}
+
+impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
+    fn can_advance(&self) -> bool {
+        !self.chains.is_empty()
+    }
+
+    fn advance(&mut self, clock: &Clock) {
+        // Choose the chains of the block: rather short batches than few chains, so that no thread waits.
+        let block = clock.block(self.done, BLOCK);
+        let workers = (block / BATCH).max(MIN_WORKERS);
+        let batch = (block / workers).clamp(1, BATCH);
+        let count = self.chains.len();
+        let chains = self.next_chain..(self.next_chain + workers as usize).min(count);
+        self.next_chain = chains.end % count;
+
+        // Let each make a batch of mutations, in parallel.
+        let total = clock.total_samples();
+        self.in_workers(chains, |i, chain, weights, worker| {
+            let made = chain.counters.steps();
+            let quota = total.map_or(batch, |total| quota(total, count as u64, i) - made);
+            let steps = batch.min(quota);
+            for _ in 0..steps {
+                let (_, sample) = chain.step(&mut worker.target);
+                worker.log(weights, sample);
+            }
+            steps
+        });
+    }
+
+    fn samples(&self) -> u64 {
+        self.done
+    }
+
+    fn rays(&self) -> RayCounts {
+        let workers = self.workers.iter().map(|worker| worker.target.rays());
+        std::iter::once(self.bootstrap_rays).chain(workers).sum()
+    }
+
+    fn image(&mut self) -> Image {
+        self.flush();
+        self.resolve()
+    }
+
+    /// The spread of groups of chains.
+    fn error(&self, image: &Image) -> Option<ErrorEstimate> {
+        let groups = self.groups.as_ref()?;
+        let group_work = |g| {
+            let chains = &self.chains[groups.chains_of(g, self.chains.len())];
+            let uniform = self.bootstrap.part(g, groups.len());
+            GroupWork {
+                mutations: chains.iter().map(|chain| chain.counters.steps()).sum(),
+                uniform: chains.iter().fold(uniform, |uniform, chain| {
+                    uniform.merge(&chain.counters.large_densities)
+                }),
+            }
+        };
+        let work: Vec<GroupWork> = (0..groups.len()).map(group_work).collect();
+        let per_mutation = 1.0 / self.done.max(1) as f64;
+        groups.estimate(image, &work, self.weights.b, |pixel| {
+            self.chain_film.sum(pixel).map(|sum| sum * per_mutation)
+        })
+    }
+}
+
+impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
+    /// Adds the weight that every chain's state has gathered to the films.
+    fn flush(&mut self) {
+        for first in (0..self.chains.len()).step_by(BATCH as usize) {
+            let chains = first..(first + BATCH as usize).min(self.chains.len());
+            self.in_workers(chains, |_, chain, weights, worker| {
+                worker.log(weights, chain.current());
+                chain.take_weights();
+                0
+            });
+        }
+    }
+
+    /// Lets `work` use each of `chains` with a worker, in parallel, and adds what they log to the films,
+    /// in the order of the chains. `work` is given the chain's index and returns its number of mutations.
+    fn in_workers(
+        &mut self,
+        chains: std::ops::Range<usize>,
+        work: impl Fn(u64, &mut Chain<SplatList>, &KelemenWeights, &mut Worker<P>) -> u64 + Sync,
+    ) {
+        while self.workers.len() < chains.len() {
+            self.workers.push(Worker {
+                target: SplatTarget::new(self.scene, self.path_sampler),
+                chain_log: SplatLog::new(),
+                large_log: SplatLog::new(),
+            });
+        }
+        let workers = &mut self.workers[..chains.len()];
+        let (first, weights) = (chains.start, self.weights);
+        self.done += self.chains[chains.clone()]
+            .par_iter_mut()
+            .zip(workers.par_iter_mut())
+            .enumerate()
+            .map(|(i, (chain, worker))| {
+                worker.chain_log.clear();
+                worker.large_log.clear();
+                work((first + i) as u64, chain, &weights, worker)
+            })
+            .sum::<u64>();
+        let workers = workers.iter();
+        let logs: Vec<[&SplatLog; 2]> = workers.map(|w| [&w.chain_log, &w.large_log]).collect();
+        let chain_logs: Vec<&SplatLog> = logs.iter().map(|[chain, _]| *chain).collect();
+        let large_logs: Vec<&SplatLog> = logs.iter().map(|[_, large]| *large).collect();
+        self.chain_film.apply(&chain_logs);
+        self.large_film.apply(&large_logs);
+        if let Some(groups) = &mut self.groups {
+            groups.apply(self.chains.len(), chains, &logs);
+        }
+    }
+
+    /// Densities of all uniform samples: their mean is b.
+    fn uniform(&self) -> Moments {
+        let chains = self.chains.iter();
+        chains.fold(self.bootstrap.moments, |moments, chain| {
+            moments.merge(&chain.counters.large_densities)
+        })
+    }
+
+    /// The image, with b as it is known now and b_0 in the weights.
+    fn resolve(&self) -> Image {
+        let per_mutation = 1.0 / self.done.max(1) as f64;
+        let b_0 = self.weights.b;
+        let refinement = if b_0 > 0.0 {
+            self.uniform().mean / b_0
+        } else {
+            0.0
+        };
+        let [width, height] = self.chain_film.size();
+        let pixel = |i| {
+            let (chain, large) = (self.chain_film.sum(i), self.large_film.sum(i));
+            to_pixel(std::array::from_fn(|c| {
+                (chain[c] * refinement + large[c]) * per_mutation
+            }))
+        };
+        Image {
+            width,
+            height,
+            pixels: (0..width * height).map(pixel).collect(),
+        }
+    }
+
+    fn finish(mut self, settings: &Settings, own: &PssmltSettings, clock: &Clock) -> Rendering {
+        let image = self.image();
+        let uniform = self.uniform();
+        let error = self.error(&image);
+        let non_finite = self.non_finite();
+        let seconds = [clock.elapsed(), clock.elapsed() - clock.began()];
+        let chains = PssmltStatistics::new(
+            own.large_step_probability,
+            (self.bootstrap.moments.count, clock.began()),
+            &uniform,
+            self.chains.iter().map(|chain| &chain.counters),
+        );
+        let interrupted = clock.was_cut_short(self.done);
+        let warnings = match (interrupted, self.done) {
+            (true, 0) => Vec::new(),
+            _ => warnings::non_finite(&non_finite)
+                .into_iter()
+                .chain(warnings::normalisation(&uniform, &self.bootstrap))
+                .chain(warnings::no_mutation(self.done, self.chains.len()))
+                .chain(warnings::stuck(chains.stuck_chains, chains.chains))
+                .chain(warnings::error(settings, error.as_ref()))
+                .chain(warnings::single(error.as_ref()))
+                .collect(),
+        };
+        let mut statistics = Statistics::new(
+            self.scene,
+            settings,
+            seconds,
+            self.done,
+            self.rays(),
+            non_finite,
+        );
+        statistics.pssmlt = Some(chains);
+        Rendering {
+            image,
+            error,
+            statistics,
+            interrupted,
+            warnings,
+        }
+    }
+
+    /// Densities that were not finite, and their samples.
+    fn non_finite(&self) -> NonFinite {
+        let mut non_finite = NonFinite::default();
+        for &sample in &self.bootstrap.non_finite {
+            non_finite.add(1, SampleId::Bootstrap { sample });
+        }
+        for (i, (chain, &start)) in (0..).zip(self.chains.iter().zip(&self.starts)) {
+            let id = |&step: &u64| SampleId::Mutation {
+                chain: i,
+                start: start as u64,
+                step,
+            };
+            let counters = &chain.counters;
+            let samples = counters.non_finite_steps.iter().map(id);
+            non_finite.extend(counters.non_finite, samples);
+        }
+        non_finite
+    }
+}
+
+/// Mutations that chain `i` of `chains` makes of `total`: as even as whole numbers allow.
+fn quota(total: u64, chains: u64, i: u64) -> u64 {
+    total / chains + u64::from(i < total % chains)
+}

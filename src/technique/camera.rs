@@ -1,0 +1,57 @@
+//! t = 1: the last vertex of the light subpath is connected to the lens.
+
+use glam::Vec2;
+
+use super::Connection;
+use crate::math::Rgb;
+use crate::path::mis::weight;
+use crate::path::{Vertex, dimensions};
+use crate::sampling::Sampler;
+use crate::scene::{RayCounts, Scene, TransportMode};
+
+/// Connects light vertex y_i to a point on the lens. Returns the path and its film position; `None` if it
+/// carries no light.
+#[inline]
+pub fn connect_to_camera<S: Sampler>(
+    scene: &Scene,
+    vertex: &Vertex,
+    i: usize,
+    sampler: &mut S,
+    counts: &mut RayCounts,
+) -> Option<(Vec2, Connection)> {
+    if !vertex.is_connectible(scene) {
+        return None;
+    }
+    let position = vertex.position();
+    let lens = scene
+        .camera
+        .connect(position, lens_point(scene, i, sampler))?;
+    let scatter = vertex.scatter(scene, lens.direction, TransportMode::Importance);
+    let value = vertex.throughput * scatter.value * lens.importance;
+    if value == Rgb::ZERO {
+        return None;
+    }
+    let origin = vertex.surface.ray_origin(lens.direction);
+    let target = position + lens.direction * lens.visible_distance;
+    if !scene.geometry.visible(origin, target, counts) {
+        return None;
+    }
+    // `lens.density` holds 1/d^2.
+    let from_lens = scatter.density(lens.density, 1.0);
+    let light = vertex.mis.sum(from_lens, f64::from(scatter.pdf_reverse));
+    let connection = Connection {
+        value,
+        weight: weight(light, 0.0),
+    };
+    Some((lens.film, connection))
+}
+
+/// Sample values of the lens point that is connected to y_i.
+#[inline]
+pub fn lens_point<S: Sampler>(scene: &Scene, i: usize, sampler: &mut S) -> Vec2 {
+    if scene.camera.is_pinhole() {
+        Vec2::ZERO
+    } else {
+        Vec2::from(sampler.get::<2>(dimensions::connect_to_camera(i)))
+    }
+}
