@@ -1,10 +1,10 @@
-//! PLY (Turk 1994, "The PLY polygon file format"): ASCII and binary of both byte orders. Elements and
-//! properties other than positions, normals, texture coordinates and polygons are passed over.
+//! PLY (Turk 1994, "The PLY polygon file format"): ASCII and binary in both byte orders. Elements
+//! and properties other than positions, normals, texture coordinates and polygons are ignored.
 
-use super::{MOST, MeshError, MeshFile, check, line_of};
+use super::{MAX_COUNT, MeshError, MeshFile, check, line_of};
 use crate::scene::TriangleMesh;
 
-/// Number types, with their old and new names and Mitsuba's extensions.
+/// Types of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Number {
     I8,
@@ -18,6 +18,7 @@ enum Number {
 }
 
 impl Number {
+    /// The type called `name`, by its old or its new name.
     fn named(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Number::I8,
@@ -40,13 +41,13 @@ enum Encoding {
     BigEndian,
 }
 
-/// What a property is used for.
+/// What a property contributes to the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Position(usize),
     Normal(usize),
     Uv(usize),
-    /// The list of a polygon's vertices.
+    /// The list of the vertices of a polygon.
     Polygon,
     None,
 }
@@ -55,7 +56,7 @@ enum Role {
 struct Property {
     role: Role,
     number: Number,
-    /// The type of the length, for a list.
+    /// The type of the length if the property is a list.
     length: Option<Number>,
 }
 
@@ -70,12 +71,12 @@ struct Element {
 struct Header {
     encoding: Encoding,
     elements: Vec<Element>,
-    /// Bytes from which on the data begin.
+    /// Length in bytes; the data follow.
     length: usize,
 }
 
-/// Reads a mesh. `flip_v` turns texture coordinates (u, v) into (u, 1 - v); without `with_normals`
-/// the normals of the file are left out.
+/// Reads a mesh. `flip_v` turns texture coordinates (u, v) into (u, 1 - v). Without `with_normals`
+/// the normals of the file are ignored.
 pub fn read(bytes: &[u8], flip_v: bool, with_normals: bool) -> Result<MeshFile, MeshError> {
     let header = header(bytes)?;
     let mut data = Data {
@@ -88,7 +89,7 @@ pub fn read(bytes: &[u8], flip_v: bool, with_normals: bool) -> Result<MeshFile, 
         match element.name.as_str() {
             "vertex" => vertices(element, &mut data, &mut mesh, with_normals)?,
             "face" => faces(element, &mut data, &mut mesh)?,
-            // Elements without properties take no space, whatever their number.
+            // Elements without properties take no space: any number of them is skipped at once.
             _ if element.properties.is_empty() => {}
             _ => {
                 for _ in 0..element.count {
@@ -147,7 +148,7 @@ fn vertices(
     Ok(())
 }
 
-/// Polygons, cut into triangles that share their first corner.
+/// Reads polygons and splits each into triangles that share its first corner.
 fn faces(element: &Element, data: &mut Data, mesh: &mut TriangleMesh) -> Result<(), MeshError> {
     if !element.properties.iter().any(|p| p.role == Role::Polygon) {
         let problem = "the faces have no list `vertex_indices` or `vertex_index`";
@@ -163,7 +164,7 @@ fn faces(element: &Element, data: &mut Data, mesh: &mut TriangleMesh) -> Result<
                 if property.role != Role::Polygon {
                     return Ok(());
                 }
-                if !(value >= 0.0 && value < MOST as f64 && value.fract() == 0.0) {
+                if !(value >= 0.0 && value < MAX_COUNT as f64 && value.fract() == 0.0) {
                     return Err(format!("{value} is not the index of a vertex"));
                 }
                 let vertex = value as u32;
@@ -177,7 +178,7 @@ fn faces(element: &Element, data: &mut Data, mesh: &mut TriangleMesh) -> Result<
                 Ok(())
             })?;
             if property.role == Role::Polygon && corners < 3 {
-                let problem = format!("a face needs three corners, and this has {corners}");
+                let problem = format!("a face needs three corners, but this one has {corners}");
                 return Err(data.error(start, problem));
             }
         }
@@ -185,7 +186,7 @@ fn faces(element: &Element, data: &mut Data, mesh: &mut TriangleMesh) -> Result<
     Ok(())
 }
 
-/// The part of the file behind the header, read from front to back.
+/// The part of the file after the header, read sequentially.
 struct Data<'a> {
     bytes: &'a [u8],
     position: usize,
@@ -193,7 +194,7 @@ struct Data<'a> {
 }
 
 impl Data<'_> {
-    /// Calls `take` with the one value of a property, or with each of a list and its place in it.
+    /// Calls `take` with the value of a property and 0, or with each value of a list and its index.
     fn property(
         &mut self,
         property: &Property,
@@ -204,7 +205,7 @@ impl Data<'_> {
             Some(number) => {
                 let start = self.position;
                 let length = self.number(number)?;
-                if !(length >= 0.0 && length <= MOST as f64) {
+                if !(length >= 0.0 && length <= MAX_COUNT as f64) {
                     return Err(self.error(start, format!("a list cannot have {length} entries")));
                 }
                 length as usize
@@ -234,11 +235,11 @@ impl Data<'_> {
         })
     }
 
-    /// The next `N` bytes, the least significant first.
+    /// The next `N` bytes in little-endian order.
     fn take<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
         let rest = &self.bytes[self.position..];
         let Some(&(mut chunk)) = rest.first_chunk::<N>() else {
-            return Err(self.error(self.position, "the file ends before its data do"));
+            return Err(self.error(self.position, "the file ends before its data is complete"));
         };
         self.position += N;
         if self.encoding == Encoding::BigEndian {
@@ -247,13 +248,16 @@ impl Data<'_> {
         Ok(chunk)
     }
 
-    /// The next number of a text.
+    /// The next number of an ASCII file.
     fn word(&mut self) -> Result<f64, MeshError> {
         let rest = &self.bytes[self.position..];
         let is_space = |b: &u8| b.is_ascii_whitespace();
         let start = rest.iter().position(|b| !is_space(b));
         let Some(start) = start else {
-            return Err(self.error(self.bytes.len(), "the file ends before its data do"));
+            return Err(self.error(
+                self.bytes.len(),
+                "the file ends before its data is complete",
+            ));
         };
         let rest = &rest[start..];
         let length = rest.iter().position(is_space).unwrap_or(rest.len());
@@ -295,7 +299,7 @@ fn header(bytes: &[u8]) -> Result<Header, MeshError> {
             [] | ["comment" | "obj_info", ..] => {}
             ["format", name, _] => encoding = Some(encoding_named(name).map_err(error)?),
             ["element", name, count] => {
-                let count = count.parse().ok().filter(|&count| count <= MOST);
+                let count = count.parse().ok().filter(|&count| count <= MAX_COUNT);
                 elements.push(Element {
                     name: name.to_owned(),
                     count: count.ok_or_else(|| error(format!("not a usable number of {name}")))?,
@@ -319,7 +323,7 @@ fn header(bytes: &[u8]) -> Result<Header, MeshError> {
             }
             _ => {
                 let shown: String = line.trim_end().chars().take(60).collect();
-                return Err(error(format!("`{shown}` does not belong into a header")));
+                return Err(error(format!("`{shown}` is not a valid header line")));
             }
         }
     }
@@ -363,7 +367,7 @@ fn property(element: &str, words: &[&str]) -> Result<Property, String> {
     }
 }
 
-/// As Mitsuba 3 names them.
+/// The role of a vertex property, by the names that Mitsuba 3 uses.
 fn role(name: &str) -> Role {
     match name {
         "x" => Role::Position(0),

@@ -1,11 +1,12 @@
-//! The attributes of one element, with `$variables` replaced, and a check that all have a meaning.
+//! The attributes of one element, after substitution of `$variables`. Attributes that are not read
+//! are errors.
 
 use roxmltree::Node;
 
-use super::error::{Cause, LoadError};
-use super::source::{Place, SourceFile};
+use super::document::File;
 use super::substitution::Substitution;
-use std::sync::Arc;
+use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::source::Place;
 
 struct Attribute {
     name: String,
@@ -19,22 +20,18 @@ pub struct Attributes {
     element: String,
     place: Place,
     list: Vec<Attribute>,
-    /// Names that were asked for.
+    /// Names of attributes that have been asked for.
     known: Vec<String>,
 }
 
 impl Attributes {
     /// The attributes of `node` in `file`.
-    pub fn new(
-        node: Node,
-        file: &Arc<SourceFile>,
-        variables: &mut Substitution,
-    ) -> Result<Self, LoadError> {
+    pub fn new(node: Node, file: &File, variables: &mut Substitution) -> Result<Self, LoadError> {
         let read = |attribute: roxmltree::Attribute| {
-            let place = Place::new(file, attribute.range_value());
+            let place = Place::new(&file.source, attribute.range_value());
             let value = variables
                 .apply(attribute.value())
-                .map_err(|cause| LoadError::at(&place, cause))?;
+                .map_err(|cause| place.error(cause))?;
             Ok(Attribute {
                 name: attribute.name().to_owned(),
                 value,
@@ -44,23 +41,13 @@ impl Attributes {
         };
         Ok(Self {
             element: node.tag_name().name().to_owned(),
-            place: start_tag(node, file),
+            place: file.start_tag(node),
             list: node.attributes().map(read).collect::<Result<_, _>>()?,
             known: Vec::new(),
         })
     }
 
-    /// Where the element begins.
-    pub fn place(&self) -> &Place {
-        &self.place
-    }
-
-    /// A fault of the element as a whole.
-    pub fn error(&self, cause: Cause) -> LoadError {
-        LoadError::at(&self.place, cause)
-    }
-
-    /// The text of an attribute and its place, if there is one.
+    /// The text and the place of an attribute, if it is given.
     pub fn text_optional(&mut self, name: &str) -> Option<(String, Place)> {
         self.known.push(name.to_owned());
         let attribute = self.list.iter_mut().find(|a| a.name == name)?;
@@ -68,7 +55,13 @@ impl Attributes {
         Some((attribute.value.clone(), attribute.place.clone()))
     }
 
-    /// The text of an attribute that must be there.
+    /// The text of an attribute; empty if it is not given.
+    pub fn text_or_empty(&mut self, name: &str) -> String {
+        self.text_optional(name)
+            .map_or(String::new(), |(text, _)| text)
+    }
+
+    /// The text and the place of a required attribute.
     pub fn text(&mut self, name: &str) -> Result<(String, Place), LoadError> {
         self.text_optional(name).ok_or_else(|| {
             self.error(Cause::MissingAttribute {
@@ -78,7 +71,7 @@ impl Attributes {
         })
     }
 
-    /// A value, if there is one.
+    /// The value of an attribute, if it is given.
     pub fn parse_optional<T>(
         &mut self,
         name: &str,
@@ -87,22 +80,20 @@ impl Attributes {
         let Some((text, place)) = self.text_optional(name) else {
             return Ok(None);
         };
-        parse(&text)
-            .map(Some)
-            .map_err(|cause| LoadError::at(&place, cause))
+        parse(&text).map(Some).map_err(|cause| place.error(cause))
     }
 
-    /// A value that must be there.
+    /// The value of a required attribute.
     pub fn parse<T>(
         &mut self,
         name: &str,
         parse: fn(&str) -> Result<T, Cause>,
     ) -> Result<T, LoadError> {
         let (text, place) = self.text(name)?;
-        parse(&text).map_err(|cause| LoadError::at(&place, cause))
+        parse(&text).map_err(|cause| place.error(cause))
     }
 
-    /// Complains of an attribute that nobody asked for.
+    /// Reports the first attribute that has not been asked for.
     pub fn finish(self) -> Result<(), LoadError> {
         let Some(unused) = self.list.iter().find(|a| !a.used) else {
             return Ok(());
@@ -112,15 +103,13 @@ impl Attributes {
             found: unused.name.clone(),
             known: self.known.clone(),
         };
-        Err(LoadError::at(&unused.place, cause))
+        Err(unused.place.error(cause))
     }
 }
 
-/// The start tag of an element, without its contents.
-pub fn start_tag(node: Node, file: &Arc<SourceFile>) -> Place {
-    let whole = node.range();
-    let attributes_end = node.attributes().map(|a| a.range().end).max();
-    let name_end = whole.start + 1 + node.tag_name().name().len();
-    let end = attributes_end.unwrap_or(name_end).min(whole.end);
-    Place::new(file, whole.start..end)
+impl Located for Attributes {
+    /// The start tag of the element.
+    fn place(&self) -> &Place {
+        &self.place
+    }
 }

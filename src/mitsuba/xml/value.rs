@@ -1,8 +1,8 @@
-//! Values as they are written in attributes.
+//! Parsing of attribute values.
 
 use glam::DVec3;
 
-use super::error::Cause;
+use crate::mitsuba::error::Cause;
 
 /// Splits at commas and white space, as Mitsuba does.
 pub fn tokens(text: &str) -> Vec<&str> {
@@ -25,7 +25,7 @@ pub fn integer(text: &str) -> Result<i64, Cause> {
     number.map_err(|_| malformed(text, "a whole number"))
 }
 
-/// `true` or `false`, in capitals or not.
+/// `true` or `false`, in any case.
 pub fn boolean(text: &str) -> Result<bool, Cause> {
     match text.to_ascii_lowercase().as_str() {
         "true" => Ok(true),
@@ -42,7 +42,7 @@ pub fn triple(text: &str) -> Result<DVec3, Cause> {
     }
 }
 
-/// Three numbers, or one that stands for all three.
+/// Three numbers, or one for all three.
 pub fn one_or_three(text: &str) -> Result<DVec3, Cause> {
     match floats(text)?[..] {
         [x] => Ok(DVec3::splat(x)),
@@ -56,11 +56,11 @@ pub fn floats(text: &str) -> Result<Vec<f64>, Cause> {
     tokens(text).into_iter().map(float).collect()
 }
 
-/// `text` should have been something else.
+/// `text` is not what was `expected`.
 pub fn malformed(text: &str, expected: &str) -> Cause {
-    /// As much of a wrong value as helps to find it.
-    const SHOWN: usize = 60;
-    let mut shown: String = text.chars().take(SHOWN).collect();
+    /// Longest part of the text that the message quotes, in characters.
+    const MAX_SHOWN: usize = 60;
+    let mut shown: String = text.chars().take(MAX_SHOWN).collect();
     if shown.len() < text.len() {
         shown.push_str("...");
     }

@@ -1,13 +1,13 @@
-//! References between objects: none may lead back to where it came from.
+//! Checks that the graph of objects has no cycle and a limited depth.
 
-use super::error::{Cause, LoadError};
 use super::object::Object;
 use super::property::Value;
+use crate::mitsuba::error::{Cause, LoadError, Located};
 
-/// Deepest nesting of elements, of references and of includes.
-pub const DEEPEST: usize = 64;
+/// Greatest depth of nested elements, of references and of includes.
+pub const MAX_DEPTH: usize = 64;
 
-/// Checks that no object contains itself and that none is nested too deep.
+/// Checks that no object contains itself and that none is nested too deeply.
 pub fn check_nesting(objects: &[Object]) -> Result<(), LoadError> {
     let mut heights = vec![None; objects.len()];
     for i in 0..objects.len() {
@@ -16,7 +16,8 @@ pub fn check_nesting(objects: &[Object]) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// Levels of objects below `index`, itself included; `path` leads to it.
+/// Number of levels of the graph below the object `index`, including its own. `path` leads from a root
+/// to it.
 fn height(
     objects: &[Object],
     index: usize,
@@ -37,16 +38,16 @@ fn height(
     let mut below = 0;
     for property in &objects[index].properties {
         if let Value::Object(child) = property.value {
-            if path.len() <= DEEPEST {
+            if path.len() <= MAX_DEPTH {
                 below = below.max(height(objects, child, heights, path)?);
             } else {
-                below = DEEPEST;
+                below = MAX_DEPTH;
             }
         }
     }
     path.pop();
-    if below >= DEEPEST {
-        return Err(objects[index].error(Cause::NestedTooDeep(DEEPEST)));
+    if below >= MAX_DEPTH {
+        return Err(objects[index].error(Cause::NestedTooDeep(MAX_DEPTH)));
     }
     heights[index] = Some(below + 1);
     Ok(below + 1)

@@ -1,12 +1,12 @@
-//! Names of version 0.x in their spelling since version 2, as Mitsuba 3 upgrades them on load.
+//! Converts names of version 0.x to those of version 2 and later, as Mitsuba 3 does on loading.
 
 use glam::{DMat4, DVec3};
 
-use super::error::LoadError;
 use super::object::Object;
 use super::property::{Property, Value};
+use crate::mitsuba::error::LoadError;
 
-/// `toWorld` as `to_world`, `intIOR` as `int_ior`.
+/// Converts camel case to underscores: `toWorld` to `to_world`, `intIOR` to `int_ior`.
 pub fn underscore_case(name: &str) -> String {
     let mut result = String::with_capacity(name.len() + 4);
     let mut previous = ' ';
@@ -28,7 +28,8 @@ pub fn underscore_case(name: &str) -> String {
     result
 }
 
-/// What else changed: the albedo of `diffuse`, and the placement of textures.
+/// Converts the parameters that changed otherwise: the reflectance of `diffuse`, and the offset and
+/// scale of textures.
 pub fn object(object: &mut Object) -> Result<(), LoadError> {
     if object.plugin == "diffuse" {
         let is_old = |p: &&mut Property| p.name == "diffuse_reflectance";
@@ -52,7 +53,7 @@ pub fn object(object: &mut Object) -> Result<(), LoadError> {
         }
     }
     if let Some(place) = place {
-        // The order is Mitsuba 3's: first the offset, then the scale.
+        // In Mitsuba 3's order: first the offset, then the scale.
         let to_uv = DMat4::from_scale(scale) * DMat4::from_translation(offset);
         object.add("to_uv".into(), Value::Transform(to_uv), place)?;
     }
@@ -64,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn camel_case_becomes_underscore_case() {
+    fn camel_case_is_converted_to_underscores() {
         for (old, new) in [
             ("toWorld", "to_world"),
             ("intIOR", "int_ior"),

@@ -1,20 +1,52 @@
-//! `<transform>`: a list of steps, each applied after those above it, all in f64.
+//! `<transform>`: a sequence of steps, each applied after those before it, in f64.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
+use roxmltree::Node;
+
 use super::attributes::Attributes;
-use super::error::{Cause, LoadError, Warning};
+use super::document::File;
+use super::substitution::Substitution;
 use super::value;
+use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
 
-/// The steps there are.
-pub const STEPS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
+/// The elements of the steps.
+const STEPS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
-/// Departure of an axis from unit length that is worth a warning.
-const UNEVENNESS: f64 = 1e-3;
+/// Greatest deviation of an axis from unit length without a warning.
+const MAX_LENGTH_ERROR: f64 = 1e-3;
 
-/// The matrix of one step named `step`; `None` if there is no such step. `legacy` says that the file
-/// is of version 0.x, where `lookat` is spelled `lookAt`.
-pub fn step(
+/// The product of the steps in the `<transform>` element `node`.
+pub fn transform(
+    node: Node,
+    file: &File,
+    variables: &mut Substitution,
+    warnings: &mut Vec<Warning>,
+) -> Result<DMat4, LoadError> {
+    let mut matrix = DMat4::IDENTITY;
+    for child in node.children().filter(Node::is_element) {
+        let mut attributes = Attributes::new(child, file, variables)?;
+        let name = child.tag_name().name();
+        let Some(step) = step(name, &mut attributes, file.legacy, warnings)? else {
+            return Err(file.unknown_element(child, "transform", STEPS.into_iter()));
+        };
+        file.no_elements_in(child)?;
+        attributes.finish()?;
+        matrix = step * matrix;
+    }
+    if matrix.is_finite() {
+        return Ok(matrix);
+    }
+    Err(file.start_tag(node).error(Cause::OutOfRange {
+        name: "transform".into(),
+        found: "not finite".into(),
+        range: "finite".into(),
+    }))
+}
+
+/// The matrix of the step `step`; `None` if there is no such step. `legacy` allows the spelling
+/// `lookAt` of version 0.x.
+fn step(
     step: &str,
     attributes: &mut Attributes,
     legacy: bool,
@@ -31,16 +63,16 @@ pub fn step(
     }))
 }
 
-/// `value` with one or three numbers, or any of `x`, `y` and `z`; what is absent is `default`.
+/// `value` with one or three numbers, or any of `x`, `y` and `z`; the others are `default`.
 fn xyz(attributes: &mut Attributes, default: f64) -> Result<DVec3, LoadError> {
     let value = attributes.parse_optional("value", value::one_or_three)?;
     let mut result = value.unwrap_or(DVec3::splat(default));
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
         if let Some(number) = attributes.parse_optional(axis, value::float)? {
             if value.is_some() {
-                return Err(attributes.error(Cause::Conflict(format!(
+                return Err(attributes.conflict(format!(
                     "give either `value` or `x`, `y` and `z`, not `value` and `{axis}`"
-                ))));
+                )));
             }
             result[i] = number;
         }
@@ -51,26 +83,19 @@ fn xyz(attributes: &mut Attributes, default: f64) -> Result<DVec3, LoadError> {
 fn rotate(attributes: &mut Attributes, warnings: &mut Vec<Warning>) -> Result<DMat4, LoadError> {
     let degrees: f64 = attributes.parse("angle", value::float)?;
     let axis = xyz(attributes, 0.0)?;
-    if axis != DVec3::ZERO && (axis.length() - 1.0).abs() > UNEVENNESS {
-        warnings.push(Warning {
-            place: Some(attributes.place().clone()),
-            text:
-                "the axis is not of unit length: this turns about its direction, while Mitsuba 3 \
-                   stretches as well"
-                    .into(),
-        });
+    if axis != DVec3::ZERO && (axis.length() - 1.0).abs() > MAX_LENGTH_ERROR {
+        warnings.push(attributes.warning(
+            "the axis is not of unit length: this rotates about its direction, while Mitsuba 3 \
+             also scales",
+        ));
     }
-    let axis = axis.try_normalize().ok_or_else(|| {
-        attributes.error(Cause::OutOfRange {
-            name: "axis".into(),
-            found: "zero".into(),
-            range: "a vector with a direction".into(),
-        })
-    })?;
+    let axis = axis
+        .try_normalize()
+        .ok_or_else(|| attributes.error(Cause::zero_vector("axis")))?;
     Ok(DMat4::from_axis_angle(axis, degrees.to_radians()))
 }
 
-/// 16 numbers, row by row; or 9 for a linear map.
+/// 16 numbers in row-major order, or 9 for a linear map.
 fn matrix(text: &str) -> Result<DMat4, Cause> {
     let numbers = value::floats(text)?;
     match numbers.len() {
@@ -90,12 +115,13 @@ fn matrix(text: &str) -> Result<DMat4, Cause> {
     }
 }
 
-/// Looks from `origin` to `target`: +z goes to the target, +x to the left, +y as much up as can be.
+/// Looks from `origin` to `target`: +z points to the target, +x to the left, and +y is the direction
+/// orthogonal to both that is closest to `up`.
 fn look_at(attributes: &mut Attributes) -> Result<DMat4, LoadError> {
     let origin = attributes.parse("origin", value::triple)?;
     let target = attributes.parse("target", value::triple)?;
     let up = attributes.parse_optional("up", value::triple)?;
-    let degenerate = |what: &str| attributes.error(Cause::Conflict(what.to_owned()));
+    let degenerate = |problem: &str| attributes.conflict(problem);
     let forward = (target - origin)
         .try_normalize()
         .ok_or_else(|| degenerate("`origin` and `target` are the same point"))?;
@@ -116,7 +142,7 @@ fn look_at(attributes: &mut Attributes) -> Result<DMat4, LoadError> {
 }
 
 /// The first tangent of Duff et al. 2017, "Building an orthonormal basis, revisited", which Mitsuba
-/// takes for a missing `up`.
+/// uses if `up` is not given.
 fn perpendicular(n: DVec3) -> DVec3 {
     let sign = 1.0_f64.copysign(n.z);
     let a = -(sign + n.z).recip();

@@ -1,12 +1,12 @@
-//! A parameter of an object: its value, where it stands, and what can be wrong with it.
+//! A parameter of an object: its value, its place, and the errors it can cause.
 
 use std::cell::Cell;
 use std::fmt;
 
 use glam::{DMat4, DVec3};
 
-use super::error::{Cause, LoadError};
-use super::source::Place;
+use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::source::Place;
 
 /// The value of a parameter.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub enum Value {
     Text(String),
     /// `<rgb>`.
     Rgb(DVec3),
-    /// `<spectrum>` with the same value at all wavelengths.
+    /// `<spectrum>` with one value for all wavelengths.
     Spectrum(f64),
     /// `<point>` or `<vector>`.
     Vector(DVec3),
@@ -29,12 +29,12 @@ pub enum Value {
     Transform(DMat4),
     /// `<ref>` before it is resolved.
     Reference(String),
-    /// An object, nested or referenced: its index.
+    /// The index of a nested or referenced object.
     Object(usize),
 }
 
 impl Value {
-    /// A number; a whole one will do.
+    /// The value of a float or an integer.
     pub fn as_float(&self) -> Option<f64> {
         match self {
             Value::Float(x) => Some(*x),
@@ -59,26 +59,21 @@ impl Value {
     }
 }
 
-/// A parameter, or with an empty name a nested object that needs none.
+/// A parameter, or a nested object, whose name may be empty.
 #[derive(Debug)]
 pub struct Property {
-    /// In Mitsuba 3's spelling.
+    /// In the spelling of Mitsuba 3.
     pub name: String,
-    /// Value.
+    /// The value.
     pub value: Value,
-    /// Where it stands.
+    /// Its element.
     pub place: Place,
-    /// Somebody asked for it.
+    /// Set once the parameter has been read: unread parameters are errors.
     pub used: Cell<bool>,
 }
 
 impl Property {
-    /// A fault of this parameter.
-    pub fn error(&self, cause: Cause) -> LoadError {
-        LoadError::at(&self.place, cause)
-    }
-
-    /// It should have been something else.
+    /// The value is not of the `expected` type.
     pub fn wrong_type(&self, expected: &str) -> LoadError {
         self.error(Cause::WrongType {
             name: self.name.clone(),
@@ -87,12 +82,32 @@ impl Property {
         })
     }
 
-    /// Its value is not in `range`.
+    /// The value is not in `range`.
     pub fn out_of_range(&self, found: impl fmt::Display, range: &str) -> LoadError {
         self.error(Cause::OutOfRange {
             name: self.name.clone(),
             found: found.to_string(),
             range: range.to_owned(),
         })
+    }
+
+    /// The name `found`, of a `what`, is none of `known`.
+    pub fn unknown_name<'a>(
+        &self,
+        what: &str,
+        found: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> LoadError {
+        self.error(Cause::UnknownName {
+            what: what.to_owned(),
+            found: found.to_owned(),
+            known: known.map(str::to_owned).collect(),
+        })
+    }
+}
+
+impl Located for Property {
+    fn place(&self) -> &Place {
+        &self.place
     }
 }

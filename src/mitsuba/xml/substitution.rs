@@ -1,18 +1,19 @@
-//! `$name` in attributes, from `-D name=value` and `<default>`.
+//! Substitution of `$name` in attributes, with values from `-D name=value` and `<default>`.
 
-use super::error::Cause;
+use crate::mitsuba::error::Cause;
 
-/// Longest attribute after substitution, in bytes: defaults that double one another must not fill
-/// the memory.
-const LONGEST: usize = 1 << 20;
+/// Greatest length of an attribute after substitution, in bytes. Without a limit, defaults that each
+/// double the previous one would exhaust memory.
+const MAX_LENGTH: usize = 1 << 20;
 
-/// Most bytes of all attributes in which variables were replaced: attributes add up, too.
-const MOST: usize = 1 << 26;
+/// Greatest total length of all attributes with substituted variables, in bytes.
+const MAX_TOTAL: usize = 1 << 26;
 
 struct Variable {
     name: String,
     value: String,
-    /// Given on the command line: it wins over defaults and should be used somewhere.
+    /// Given on the command line. It takes precedence over defaults, and a warning says if no file
+    /// uses it.
     defined: bool,
     used: bool,
 }
@@ -20,12 +21,12 @@ struct Variable {
 /// The values of `$variables`.
 pub struct Substitution {
     variables: Vec<Variable>,
-    /// Bytes of attributes in which variables were replaced so far.
-    written: usize,
+    /// Total length so far of attributes with substituted variables, in bytes.
+    total: usize,
 }
 
 impl Substitution {
-    /// Variables from the command line; of two with one name the later wins.
+    /// The variables of the command line. The last value given for a name counts.
     pub fn new(defines: &[(String, String)]) -> Self {
         let mut variables: Vec<Variable> = Vec::new();
         for (name, value) in defines {
@@ -39,11 +40,11 @@ impl Substitution {
         }
         Self {
             variables,
-            written: 0,
+            total: 0,
         }
     }
 
-    /// Takes the value of a `<default>`, unless the variable has one already.
+    /// Sets the value of a `<default>`, unless the variable already has one.
     pub fn set_default(&mut self, name: &str, value: &str) {
         if self.variables.iter().all(|v| v.name != name) {
             self.variables.push(Variable {
@@ -55,8 +56,8 @@ impl Substitution {
         }
     }
 
-    /// `text` with each `$name` replaced. As in Mitsuba 3 the longest name that fits is taken, so
-    /// `$size2` may be `$size` followed by a 2, and `\$` stands for a dollar sign.
+    /// Replaces each `$name` in `text`. As in Mitsuba 3 the longest name that matches is taken, so
+    /// `$size2` may be `$size` followed by a 2, and `\$` is a dollar sign.
     pub fn apply(&mut self, text: &str) -> Result<String, Cause> {
         let mut result = String::with_capacity(text.len());
         let mut rest = text;
@@ -76,21 +77,21 @@ impl Substitution {
             variable.used = true;
             result.push_str(&variable.value);
             rest = &after[variable.name.len()..];
-            if result.len() > LONGEST {
-                return Err(Cause::SubstitutionTooLong(LONGEST));
+            if result.len() > MAX_LENGTH {
+                return Err(Cause::SubstitutionTooLong(MAX_LENGTH));
             }
         }
         result.push_str(rest);
         if rest.len() < text.len() {
-            self.written += result.len();
+            self.total += result.len();
         }
-        if self.written > MOST {
-            return Err(Cause::SubstitutionTooMuch(MOST));
+        if self.total > MAX_TOTAL {
+            return Err(Cause::SubstitutionTooMuch(MAX_TOTAL));
         }
         Ok(result)
     }
 
-    /// Names given on the command line that no file has used.
+    /// The names given on the command line that no file has used.
     pub fn unused(&self) -> impl Iterator<Item = &str> {
         let is_unused = |v: &&Variable| v.defined && !v.used;
         self.variables
@@ -134,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_wins_and_what_is_unused_is_known() {
+    fn the_command_line_takes_precedence_and_unused_names_are_listed() {
         let mut s = with(&[("a", "1"), ("b", "2")]);
         s.set_default("a", "3");
         s.set_default("c", "4");
@@ -144,14 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn an_unset_variable_is_named_with_its_neighbours() {
+    fn an_undefined_variable_is_reported_with_a_suggestion() {
         let mut s = with(&[("depth", "1")]);
         let error = s.apply("x$dpeth-1").unwrap_err().to_string();
         assert!(error.contains("`$dpeth`") && error.contains("did you mean `depth`"));
     }
 
     #[test]
-    fn doubling_defaults_are_stopped() {
+    fn defaults_that_double_in_length_are_rejected() {
         let mut s = with(&[("a0", "xxxxxxxxxxxxxxxx")]);
         let mut last = Ok(String::new());
         for i in 1..64 {
@@ -165,14 +166,14 @@ mod tests {
     }
 
     #[test]
-    fn long_values_used_often_are_stopped() {
-        let long = "x".repeat(LONGEST - 1);
+    fn long_values_used_often_are_rejected() {
+        let long = "x".repeat(MAX_LENGTH - 1);
         let mut s = with(&[("long", &long)]);
-        let uses = MOST / LONGEST;
+        let uses = MAX_TOTAL / MAX_LENGTH;
         for _ in 0..uses {
             assert!(s.apply("$long").is_ok());
         }
-        // Text without variables stands in the file itself and does not count.
+        // Text without variables is limited by the size of the file and does not count.
         assert!(s.apply(&long).is_ok());
         assert!(matches!(
             s.apply("-$long-$long"),

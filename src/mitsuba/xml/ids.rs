@@ -2,17 +2,17 @@
 
 use std::collections::HashMap;
 
-use super::error::{Cause, LoadError};
 use super::object::Object;
 use super::property::Value;
-use super::source::Place;
+use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::source::Place;
 
-/// Indices of objects by their ids and aliases.
+/// Maps ids and aliases to indices of objects.
 #[derive(Default)]
 pub struct Ids(HashMap<String, usize>);
 
 impl Ids {
-    /// Gives `id`, which stands at `place`, to the object at `index` of `objects`.
+    /// Assigns `id`, which is given at `place`, to the object at `index` of `objects`.
     pub fn claim(
         &mut self,
         id: &str,
@@ -25,7 +25,7 @@ impl Ids {
             Some(first) => {
                 let id = id.to_owned();
                 let first = objects[first].place.clone();
-                Err(LoadError::at(place, Cause::DuplicateId { id, first }))
+                Err(place.error(Cause::DuplicateId { id, first }))
             }
         }
     }
@@ -40,7 +40,7 @@ impl Ids {
         })
     }
 
-    /// Replaces references by the objects they refer to.
+    /// Replaces references by the indices of the objects they refer to.
     pub fn resolve_references(&self, objects: &mut [Object]) -> Result<(), LoadError> {
         for property in objects.iter_mut().flat_map(|o| &mut o.properties) {
             if let Value::Reference(id) = &property.value {
