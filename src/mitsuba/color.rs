@@ -6,9 +6,9 @@ use super::error::LoadError;
 use super::xml::{Object, Property, Value};
 use crate::math::Rgb;
 
-/// The linear sRGB colour of a spectrum that is 1 at all wavelengths (illuminant E), which differs from
-/// the white point of sRGB (D65): row sums of the matrix from XYZ to linear sRGB of IEC 61966-2-1.
-/// Mitsuba 3 uses it for an emitted `<spectrum>`.
+/// The linear sRGB colour of a spectrum that is 1 at all wavelengths (illuminant E), which differs
+/// from the white point of sRGB (D65): row sums of the matrix from XYZ to linear sRGB of IEC
+/// 61966-2-1. Mitsuba 3 uses it for an emitted `<spectrum>`.
 const EQUAL_ENERGY: DVec3 = DVec3::new(1.204_794, 0.948_291, 0.908_916);
 
 /// The physical quantity that a colour describes.

@@ -5,7 +5,8 @@ use super::error::{Cause, LoadError, Located};
 use super::xml::Object;
 use crate::film::{Decode, Image, read_image};
 
-/// The image that `filename` names. All its values must satisfy `is_valid`, which `range` describes.
+/// The image that `filename` names. All its values must satisfy `is_valid`, which `range`
+/// describes.
 pub fn image(
     builder: &Builder,
     object: &Object,

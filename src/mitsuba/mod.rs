@@ -1,8 +1,8 @@
 //! Loads scene files in Mitsuba's XML format: versions 2 and 3, and the older names of version 0.x.
 //!
-//! Supported plugins and parameters have the meaning and the defaults of Mitsuba 3. Anything else is
-//! an error that names its place and the alternatives; only parameters that cannot change the
-//! values of a still image are ignored. Loading takes two steps: [`xml`] turns files into objects
+//! Supported plugins and parameters have the meaning and the defaults of Mitsuba 3. Anything else
+//! is an error that names its place and the alternatives; only parameters that cannot change the
+//! values of a still image are ignored. Loading takes two steps: `xml` turns files into objects
 //! with parameters, then one module for each kind of object turns these into a
 //! [`SceneDescription`]. A new plugin is a file in the module of its kind and an entry in that
 //! module's list `PLUGINS`.

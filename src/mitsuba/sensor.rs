@@ -8,7 +8,8 @@ use super::film;
 use super::xml::{Object, Tag, value};
 use crate::scene::{CameraDescription, FilmSettings, ThinLens};
 
-/// Diagonal of a frame of 35 mm film (36 mm x 24 mm), which `focal_length` refers to, in millimetres.
+/// Diagonal of a frame of 35 mm film (36 mm x 24 mm), which `focal_length` refers to, in
+/// millimetres.
 const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
 /// Greatest deviation of the scalar products of the camera's axes from those of orthonormal axes.
 const MAX_AXIS_ERROR: f64 = 1e-3;

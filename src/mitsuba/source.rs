@@ -64,8 +64,8 @@ impl SourceCode for SourceFile {
     }
 }
 
-/// A range of the text of a scene file. Its `Display` is `path:line:column`, both counted from 1, columns in
-/// characters.
+/// A range of the text of a scene file. Its `Display` is `path:line:column`, both counted from 1,
+/// columns in characters.
 #[derive(Clone, Debug)]
 pub struct Place {
     file: Arc<SourceFile>,

@@ -31,8 +31,8 @@ fn file(kind: &str, name: &str) -> String {
     format!(r#"<shape type="{kind}"><string name="filename" value="{name}"/></shape>"#)
 }
 
-/// Each case is a body, a place and a phrase. The scene with the body in its second line must fail at
-/// the place, with a message that contains the phrase and fits on a screen.
+/// Each case is a body, a place and a phrase. The scene with the body in its second line must fail
+/// at the place, with a message that contains the phrase and fits on a screen.
 fn assert_fail(cases: &[(String, &str, &str)]) {
     let problem = |(body, place, phrase): &(String, &str, &str)| {
         let message = match load_body(body) {

@@ -93,9 +93,9 @@ fn excessive_sizes_are_rejected_before_allocation() {
         + 12;
     exr[at..at + 8].copy_from_slice(&[0x0F, 0x27, 0, 0, 0x0F, 0x27, 0, 0]);
     is_too_large("a.exr", &exr);
-    // 11000 x 11000 pixels, fewer than the limit, in a file too small to contain them. The size is in the
-    // frame header of the JPEG and in the image header of the PNG, whose checksum is that of the new
-    // size.
+    // 11000 x 11000 pixels, fewer than the limit, in a file too small to contain them. The size is
+    // in the frame header of the JPEG and in the image header of the PNG, whose checksum is that of
+    // the new size.
     let size = 11_000_u16.to_be_bytes();
     let mut jpeg = fs::read(fixtures().join("flat.jpg")).expect("a JPEG");
     let frame = jpeg.windows(2).position(|w| w == [0xFF, 0xC0]);

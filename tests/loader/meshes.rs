@@ -98,8 +98,8 @@ fn obj_matches_mitsuba() {
     assert!(mesh("obj", "normals.obj", flat).normals.is_empty());
 }
 
-/// Corners with the same indices are one vertex across groups, which affects its normal. Numbers after
-/// those that a statement needs are ignored.
+/// Corners with the same indices are one vertex across groups, which affects its normal. Numbers
+/// after those that a statement needs are ignored.
 #[test]
 fn groups_of_an_obj_file_are_one_mesh() {
     let mesh = mesh("obj", "groups.obj", "");

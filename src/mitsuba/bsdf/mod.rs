@@ -29,8 +29,8 @@ const PLUGINS: [(&str, Constructor); 8] = [
     ("twosided", twosided::twosided),
 ];
 
-/// The material of the BSDF at `index`, as an index of [`Builder::materials`]. As in Mitsuba, nested
-/// BSDFs are built first.
+/// The material of the BSDF at `index`, as an index of [`Builder::materials`]. As in Mitsuba,
+/// nested BSDFs are built first.
 pub fn material(builder: &mut Builder, index: usize) -> Result<u32, LoadError> {
     if let Some(&material) = builder.material_of.get(&index) {
         return Ok(material);

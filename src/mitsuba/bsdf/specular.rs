@@ -1,4 +1,4 @@
-//! Factors of specular reflection and transmission, which have no physical counterpart.
+//! Factors of specular reflection and transmission. Physically plausible scenes leave them at 1.
 
 use crate::mitsuba::builder::Builder;
 use crate::mitsuba::error::LoadError;

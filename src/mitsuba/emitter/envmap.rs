@@ -16,8 +16,8 @@ pub fn envmap(builder: &Builder, object: &Object) -> Result<EmitterDescription, 
         None => DMat4::IDENTITY,
         Some((matrix, _)) if is_similarity(matrix) => matrix,
         Some((_, property)) => {
-            let feature = "a stretched or sheared environment map; its transform may only rotate and \
-                           reflect";
+            let feature = "a stretched or sheared environment map; its transform may only rotate \
+                           and reflect";
             return Err(property.not_modelled(feature));
         }
     };

@@ -71,14 +71,8 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     bytes.map_err(|error| MeshError::nowhere(format!("cannot read it: {error}")))
 }
 
-/// The line, counted from 1, of the byte at an offset in `text`.
-fn line_of(text: &[u8], byte: usize) -> usize {
-    let before = &text[..byte.min(text.len())];
-    before.iter().filter(|&&b| b == b'\n').count() + 1
-}
-
-/// Checks the invariants of a [`TriangleMesh`]. Normals are checked only where a triangle uses them,
-/// because files contain unused vertices with normals of length zero.
+/// Checks the invariants of a [`TriangleMesh`]. Normals are checked only where a triangle uses
+/// them, because files contain unused vertices with normals of length zero.
 fn check(mesh: &TriangleMesh) -> Result<(), MeshError> {
     if mesh.triangles.is_empty() {
         return Err(MeshError::nowhere("the mesh has no triangles"));

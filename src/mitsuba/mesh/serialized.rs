@@ -1,5 +1,6 @@
-//! Mitsuba's `serialized` meshes, versions 3 and 4 (Mitsuba 0.6 manual, section 8.2.9). Each mesh is
-//! a header of four bytes and a zlib stream. A table with the offsets of the meshes ends the file.
+//! Mitsuba's `serialized` meshes, versions 3 and 4 (Mitsuba 0.6 manual, section 8.2.9). Each mesh
+//! is a header of four bytes and a zlib stream. A table with the offsets of the meshes ends the
+//! file.
 
 use std::io::{self, BufReader, Read};
 
@@ -26,8 +27,8 @@ enum Version {
     V4,
 }
 
-/// Reads the mesh number `index`, counted from 0. Without `with_normals` the normals of the file are
-/// ignored.
+/// Reads the mesh number `index`, counted from 0. Without `with_normals` the normals of the file
+/// are ignored.
 pub fn read(bytes: &[u8], index: usize, with_normals: bool) -> Result<MeshFile, MeshError> {
     let version = version(bytes, 0)?;
     let start = match index {

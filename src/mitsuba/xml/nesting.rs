@@ -16,8 +16,8 @@ pub fn check_nesting(objects: &[Object]) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// Number of levels of the graph below the object `index`, including its own. `path` leads from a root
-/// to it.
+/// Number of levels of the graph below the object `index`, including its own. `path` leads from a
+/// root to it.
 fn height(
     objects: &[Object],
     index: usize,

@@ -200,8 +200,8 @@ impl Reader {
         }
     }
 
-    /// Reads an object and its contents. `name` is the name of the parameter that it becomes, unless
-    /// its own attributes give one.
+    /// Reads an object and its contents. `name` is the name of the parameter that it becomes,
+    /// unless its own attributes give one.
     fn object(
         &mut self,
         node: Node,

@@ -2,8 +2,8 @@
 
 use crate::mitsuba::error::Cause;
 
-/// Greatest length of an attribute after substitution, in bytes. Without a limit, defaults that each
-/// double the previous one would exhaust memory.
+/// Greatest length of an attribute after substitution, in bytes. Without a limit, defaults that
+/// each double the previous one would exhaust memory.
 const MAX_LENGTH: usize = 1 << 20;
 
 /// Greatest total length of all attributes with substituted variables, in bytes.

@@ -1,7 +1,6 @@
 //! `<transform>`: a sequence of steps, each applied after those before it, in f64.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
-
 use roxmltree::Node;
 
 use super::attributes::Attributes;
@@ -10,8 +9,21 @@ use super::substitution::Substitution;
 use super::value;
 use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
 
+/// Makes the matrix of a step from the attributes of its element.
+type Step = fn(&mut Attributes, &mut Vec<Warning>) -> Result<DMat4, LoadError>;
+
 /// The elements of the steps.
-const STEPS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
+const STEPS: [(&str, Step); 5] = [
+    ("lookat", |attributes, _| look_at(attributes)),
+    ("matrix", |attributes, _| attributes.parse("value", matrix)),
+    ("rotate", rotate),
+    ("scale", |attributes, _| {
+        Ok(DMat4::from_scale(xyz(attributes, 1.0)?))
+    }),
+    ("translate", |attributes, _| {
+        Ok(DMat4::from_translation(xyz(attributes, 0.0)?))
+    }),
+];
 
 /// Greatest deviation of an axis from unit length without a warning.
 const MAX_LENGTH_ERROR: f64 = 1e-3;
@@ -26,10 +38,15 @@ pub fn transform(
     let mut matrix = DMat4::IDENTITY;
     for child in node.children().filter(Node::is_element) {
         let mut attributes = Attributes::new(child, file, variables)?;
-        let name = child.tag_name().name();
-        let Some(step) = step(name, &mut attributes, file.legacy, warnings)? else {
-            return Err(file.unknown_element(child, "transform", STEPS.into_iter()));
+        let name = match child.tag_name().name() {
+            "lookAt" if file.legacy => "lookat",
+            name => name,
         };
+        let Some((_, step)) = STEPS.iter().find(|(known, _)| *known == name) else {
+            let known = STEPS.iter().map(|(name, _)| *name);
+            return Err(file.unknown_element(child, "transform", known));
+        };
+        let step = step(&mut attributes, warnings)?;
         file.no_elements_in(child)?;
         attributes.finish()?;
         matrix = step * matrix;
@@ -41,25 +58,6 @@ pub fn transform(
         name: "transform".into(),
         found: "not finite".into(),
         range: "finite".into(),
-    }))
-}
-
-/// The matrix of the step `step`; `None` if there is no such step. `legacy` allows the spelling
-/// `lookAt` of version 0.x.
-fn step(
-    step: &str,
-    attributes: &mut Attributes,
-    legacy: bool,
-    warnings: &mut Vec<Warning>,
-) -> Result<Option<DMat4>, LoadError> {
-    Ok(Some(match step {
-        "translate" => DMat4::from_translation(xyz(attributes, 0.0)?),
-        "scale" => DMat4::from_scale(xyz(attributes, 1.0)?),
-        "rotate" => rotate(attributes, warnings)?,
-        "matrix" => attributes.parse("value", matrix)?,
-        "lookat" => look_at(attributes)?,
-        "lookAt" if legacy => look_at(attributes)?,
-        _ => return Ok(None),
     }))
 }
 
@@ -115,8 +113,8 @@ fn matrix(text: &str) -> Result<DMat4, Cause> {
     }
 }
 
-/// Looks from `origin` to `target`: +z points to the target, +x to the left, and +y is the direction
-/// orthogonal to both that is closest to `up`.
+/// Looks from `origin` to `target`: +z points to the target, +x to the left, and +y is the
+/// direction orthogonal to both that is closest to `up`.
 fn look_at(attributes: &mut Attributes) -> Result<DMat4, LoadError> {
     let origin = attributes.parse("origin", value::triple)?;
     let target = attributes.parse("target", value::triple)?;

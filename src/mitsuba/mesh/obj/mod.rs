@@ -1,6 +1,6 @@
-//! Wavefront OBJ: positions, texture coordinates, normals and polygons, as Mitsuba 3 reads them. Groups
-//! and materials are ignored: the file is one mesh, and corners with the same indices are one vertex
-//! even across groups, which affects computed normals.
+//! Wavefront OBJ: positions, texture coordinates, normals and polygons, as Mitsuba 3 reads them.
+//! Groups and materials are ignored: the file is one mesh, and corners with the same indices are
+//! one vertex even across groups, which affects computed normals.
 
 mod statements;
 

@@ -1,19 +1,19 @@
-//! Checks the statements of an OBJ file line by line, and rewrites those that define the mesh so that
-//! tobj reads them as Mitsuba 3 would. By itself, tobj divides positions by a fourth number, reads
-//! comments at the end of statements, begins a new model at each group or material, and does not
-//! report the line of an error.
+//! Checks the statements of an OBJ file line by line, and rewrites those that define the mesh so
+//! that tobj reads them as Mitsuba 3 would. By itself, tobj divides positions by a fourth number,
+//! reads comments at the end of statements, begins a new model at each group or material, and does
+//! not report the line of an error.
 
 use std::fmt::Write;
 
 use super::super::MeshError;
 
-/// The first texture coordinate and the first normal, which corners without their own refer to. tobj
-/// omits what a corner lacks, so that its arrays would no longer match the vertices.
+/// The first texture coordinate and the first normal, which corners without their own refer to.
+/// tobj omits what a corner lacks, so that its arrays would no longer match the vertices.
 const MISSING: &str = "vt nan nan\nvn nan nan nan\n";
 
-/// [`MISSING`], followed by the statements `v x y z`, `vt u v` and `vn x y z` with finite numbers, and
-/// `f v/vt/vn ...` with at least three corners and valid indices. Without `with_normals` no corner
-/// has a normal.
+/// [`MISSING`], followed by the statements `v x y z`, `vt u v` and `vn x y z` with finite numbers,
+/// and `f v/vt/vn ...` with at least three corners and valid indices. Without `with_normals` no
+/// corner has a normal.
 pub fn checked(bytes: &[u8], with_normals: bool) -> Result<String, MeshError> {
     let mut statements = Statements {
         text: MISSING.to_owned(),
