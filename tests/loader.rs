@@ -1,5 +1,5 @@
-//! The loader against Mitsuba 3.9.1 (numbers from `fixtures/make_fixtures.py` and from the snippets
-//! beside them) and against faulty input.
+//! Compares the loader with Mitsuba 3.9.1 and checks that it rejects invalid input. The expected
+//! numbers are printed by `fixtures/make_fixtures.py` or by the snippets next to them.
 
 #[path = "loader/errors.rs"]
 mod errors;
@@ -22,7 +22,7 @@ use metrolight::scene::{
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-/// A camera and a light, so that a scene can be loaded.
+/// A camera and an emitter, without which a scene cannot be loaded.
 const BASE: &str = r#"<sensor type="perspective"/><emitter type="point"/>"#;
 
 fn fixtures() -> PathBuf {
@@ -37,7 +37,7 @@ fn load_text(text: &str) -> Result<Loaded, LoadError> {
     load(&path, &[])
 }
 
-/// Loads a scene whose second line begins with `body`. Files are found among the fixtures.
+/// Loads a scene whose second line begins with `body`. File names are relative to the fixtures.
 fn load_body(body: &str) -> Result<Loaded, LoadError> {
     let fixtures = fixtures();
     let fixtures = fixtures.display();
@@ -77,7 +77,7 @@ fn published_scenes_load_without_a_warning() {
         let lit = scene.shapes.iter().filter(|s| s.emission.is_some()).count();
         assert_eq!(lit, emitting, "{name}");
         assert_eq!(scene.depth.max_depth, Some(depth), "{name}");
-        // Their own integrator is not one of ours.
+        // Metrolight does not have the integrator that the files specify.
         let warnings = load(&path, &[]).expect(name).warnings;
         assert_eq!(warnings.len(), 1, "{name}");
         assert!(warnings[0].text.contains("path_guiding_integrator"));
@@ -85,7 +85,7 @@ fn published_scenes_load_without_a_warning() {
 }
 
 #[test]
-fn everything_has_its_meaning() {
+fn every_supported_plugin_is_loaded() {
     let path = fixtures().join("everything.xml");
     let loaded = load(&path, &[define("depth", "4")]).expect("a scene");
     let scene = &loaded.description;
@@ -93,7 +93,7 @@ fn everything_has_its_meaning() {
         max_depth: Some(4),
         rr_depth: 9,
     };
-    assert_eq!(scene.depth, depth, "-D wins over <default>");
+    assert_eq!(scene.depth, depth, "-D takes precedence over <default>");
     assert_eq!((scene.film.width, scene.film.height), (320, 200));
     assert_eq!(scene.film.filter, Filter::Tent { radius: 1.5 });
     let camera = &scene.camera;
@@ -177,7 +177,7 @@ fn everything_has_its_meaning() {
 }
 
 #[test]
-fn old_names_mean_the_same() {
+fn names_of_version_0_6_are_upgraded() {
     let shown = |name: &str| {
         let path = fixtures().join(name);
         let mut scene = load(&path, &[]).expect(name).description;
@@ -190,7 +190,7 @@ fn old_names_mean_the_same() {
 }
 
 #[test]
-fn what_is_not_given_is_as_in_mitsuba() {
+fn defaults_match_mitsuba() {
     let scene = description(
         r#"<shape type="sphere"/><shape type="cube"><emitter type="area"/></shape>
            <shape type="sphere"><bsdf type="roughconductor"/></shape>"#,
@@ -223,7 +223,7 @@ fn what_is_not_given_is_as_in_mitsuba() {
 
 /// Mitsuba: `np.array(traverse(rectangle)["...to_world"].matrix)`, in f32.
 #[test]
-fn transforms_compose_as_in_mitsuba() {
+fn transforms_match_mitsuba() {
     for (steps, rows) in [
         (
             r#"<scale x="2" y="3"/><rotate x="0.6" z="-0.8" angle="33"/>
@@ -275,7 +275,7 @@ fn transforms_compose_as_in_mitsuba() {
 
 /// Mitsuba: `traverse(sensor)["x_fov"]`, in f32.
 #[test]
-fn fields_of_view_are_mitsubas() {
+fn fields_of_view_match_mitsuba() {
     for (size, parameters, x_fov) in [
         ((320, 200), "", 40.296_192),
         ((320, 200), FOV_40, 40.0),
@@ -310,7 +310,7 @@ const FOV_40: &str = r#"<float name="fov" value="40"/>"#;
 const FOCAL_35: &str = r#"<string name="focal_length" value="35mm"/>"#;
 
 #[test]
-fn another_size_changes_the_view_as_if_the_film_had_it() {
+fn overriding_the_size_changes_the_field_of_view() {
     let path = fixtures().join("everything.xml");
     let size = Some([200, 320]);
     let scene = load_with(&path, &[], Overrides { size }).expect("a scene");
@@ -320,7 +320,7 @@ fn another_size_changes_the_view_as_if_the_film_had_it() {
 }
 
 #[test]
-fn included_files_belong_to_the_scene() {
+fn included_files_are_part_of_the_scene() {
     let folder = TempDir::new().expect("a temporary folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect(name);
     fs::create_dir(folder.path().join("parts")).expect("a folder");
@@ -329,7 +329,7 @@ fn included_files_belong_to_the_scene() {
         folder.path().join("parts/mesh.obj"),
     )
     .expect("a mesh");
-    // Each file is of its own version; ids and variables are shared.
+    // Each file has its own version; ids and variables are shared.
     write(
         "parts/materials.xml",
         r#"<scene version="0.6.0"><default name="albedo" value="0.25"/>
@@ -365,11 +365,15 @@ fn included_files_belong_to_the_scene() {
 }
 
 #[test]
-fn oddities_are_warned_of_with_their_place() {
+fn warnings_have_a_place() {
     let second = r#"<sensor type="perspective"/>"#;
     for (body, place, text) in [
         (r#"<integrator type="direct"/>"#, "2:1", "`direct`"),
-        ("hello <shape type=\"sphere\"/>", "1:24", "means nothing"),
+        (
+            "hello <shape type=\"sphere\"/>",
+            "1:24",
+            "between elements is ignored",
+        ),
         (second, "3:", "only the first sensor"),
         (
             r#"<shape type="cube"><transform name="to_world"><rotate x="2" angle="9"/></transform></shape>"#,
@@ -392,10 +396,10 @@ fn oddities_are_warned_of_with_their_place() {
     }
 }
 
-/// Mitsuba: `traverse(shape)["...to_uv"].matrix`, 3 x 3: of a 4 x 4 matrix the third row and column
-/// are left out, those of `<matrix>` with 9 numbers being 0 0 1 apart from its own.
+/// Mitsuba: `traverse(shape)["...to_uv"].matrix`, 3 x 3. The third row and column of a 4 x 4 matrix
+/// are dropped; a `<matrix>` of 9 numbers is first extended to 4 x 4.
 #[test]
-fn textures_are_placed_as_in_mitsuba() {
+fn texture_transforms_match_mitsuba() {
     for (steps, linear, translation) in [
         (
             r#"<scale x="2" y="3"/><translate x=".1" y=".2"/>"#,
@@ -431,7 +435,7 @@ fn textures_are_placed_as_in_mitsuba() {
 }
 
 #[test]
-fn metals_outside_of_vacuum_are_relative() {
+fn metal_indices_are_relative_to_the_medium_outside() {
     let scene = description(
         r#"<shape type="sphere"><bsdf type="conductor"><rgb name="eta" value="1, 2, 3"/>
            <rgb name="k" value="4"/><string name="ext_eta" value="water"/></bsdf></shape>"#,
@@ -445,16 +449,16 @@ fn metals_outside_of_vacuum_are_relative() {
 }
 
 proptest! {
-    /// A number written with all its digits is the same number when it is read.
+    /// A number written with all its digits is read without a rounding error.
     #[test]
-    fn numbers_survive(x in proptest::num::f64::NORMAL | proptest::num::f64::ZERO) {
+    fn numbers_are_read_exactly(x in proptest::num::f64::NORMAL | proptest::num::f64::ZERO) {
         let body = format!(
             r#"<shape type="cube"><transform name="to_world"><translate y=" {x:e} "/></transform></shape>"#
         );
         prop_assert_eq!(description(&body).shapes[0].to_world.w_axis.y, x);
     }
 
-    /// Any text in any kind of value is a value or an error, never a panic.
+    /// No text in any kind of value causes a panic.
     #[test]
     fn any_text_is_a_value_or_an_error(text in "\\PC{0,40}", kind in 0_usize..8) {
         let kinds = ["float", "integer", "boolean", "string", "rgb", "spectrum", "point", "ref"];

@@ -2,20 +2,20 @@
 
 use glam::Vec3A;
 
-/// A right-handed orthonormal basis; in its local coordinates the normal is +z.
+/// A right-handed orthonormal basis. In local coordinates the normal is +z.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Image of local +x, unit length.
+    /// Local +x in world coordinates, unit length.
     pub s: Vec3A,
-    /// Image of local +y, unit length.
+    /// Local +y in world coordinates, unit length.
     pub t: Vec3A,
-    /// Image of local +z, unit length.
+    /// Local +z in world coordinates, unit length.
     pub n: Vec3A,
 }
 
 impl Frame {
     /// A frame around the unit vector `n` (Duff et al. 2017, "Building an orthonormal basis,
-    /// revisited", listing 3): continuous but for n.z = 0, and exact to a few ulps everywhere.
+    /// revisited", listing 3): continuous except at n.z = 0, and accurate to a few ulps everywhere.
     #[inline]
     pub fn from_normal(n: Vec3A) -> Self {
         let sign = 1.0_f32.copysign(n.z);
@@ -28,13 +28,13 @@ impl Frame {
         }
     }
 
-    /// World to local coordinates.
+    /// Converts from world to local coordinates.
     #[inline]
     pub fn to_local(&self, v: Vec3A) -> Vec3A {
         Vec3A::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Local to world coordinates.
+    /// Converts from local to world coordinates.
     #[inline]
     pub fn to_world(&self, v: Vec3A) -> Vec3A {
         self.s * v.x + self.t * v.y + self.n * v.z

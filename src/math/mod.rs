@@ -1,4 +1,4 @@
-//! Colours, frames and small linear systems: mathematics that knows nothing of rendering.
+//! Colours, frames and small linear systems: mathematics independent of rendering.
 
 pub mod color;
 pub mod frame;

@@ -3,23 +3,22 @@
 use glam::DVec3;
 
 use super::error::LoadError;
-use super::object::Object;
-use super::property::{Property, Value};
+use super::xml::{Object, Property, Value};
 use crate::math::Rgb;
 
-/// The colour in linear sRGB of a spectrum that is 1 at all wavelengths: light of equal energy is not
-/// the white (D65) of sRGB. Row sums of the matrix from XYZ to linear sRGB of IEC 61966-2-1, as
-/// Mitsuba 3 applies it to a `<spectrum>` that is emitted.
+/// The linear sRGB colour of a spectrum that is 1 at all wavelengths (illuminant E), which differs
+/// from the white point of sRGB (D65): row sums of the matrix from XYZ to linear sRGB of IEC
+/// 61966-2-1. Mitsuba 3 uses it for an emitted `<spectrum>`.
 const EQUAL_ENERGY: DVec3 = DVec3::new(1.204_794, 0.948_291, 0.908_916);
 
-/// What a colour measures.
+/// The physical quantity that a colour describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Fraction of light.
+    /// The reflected or transmitted fraction of light.
     Reflectance,
-    /// Radiance, intensity, irradiance.
+    /// Radiance, intensity or irradiance.
     Emission,
-    /// Index of refraction of a metal, or its imaginary part.
+    /// Real or imaginary part of the refractive index of a metal.
     Index,
 }
 
@@ -36,7 +35,7 @@ pub fn color(
     }
 }
 
-/// The colour that a parameter gives.
+/// The colour of a parameter.
 pub fn of_property(property: &Property, quantity: Quantity) -> Result<Rgb, LoadError> {
     let color = match property.value {
         Value::Float(grey) => DVec3::splat(grey),
@@ -46,16 +45,16 @@ pub fn of_property(property: &Property, quantity: Quantity) -> Result<Rgb, LoadE
         Value::Rgb(rgb) => rgb,
         _ => return Err(property.wrong_type("a colour: rgb, float or spectrum")),
     };
-    let most = match quantity {
+    let max = match quantity {
         Quantity::Reflectance => 1.0,
         Quantity::Emission | Quantity::Index => f64::from(f32::MAX),
     };
-    if color.min_element() >= 0.0 && color.max_element() <= most {
+    if color.min_element() >= 0.0 && color.max_element() <= max {
         return Ok(color.as_vec3a());
     }
     let range = match quantity {
         Quantity::Reflectance => "between 0 and 1",
-        Quantity::Emission | Quantity::Index => "0 or above, and not too large for a number",
+        Quantity::Emission | Quantity::Index => "0 or above, and not too large for an f32",
     };
     let found = format!("({}, {}, {})", color.x, color.y, color.z);
     Err(property.out_of_range(found, range))

@@ -1,69 +1,57 @@
-//! Scene files: Mitsuba 3's XML, of version 3 and, with their old names, of version 0.x.
+//! Loads scene files in Mitsuba's XML format: versions 2 and 3, and the older names of version 0.x.
 //!
-//! What is modelled has Mitsuba 3's meaning and defaults. What is not modelled is an error that says
-//! where it stands and what there is instead; only parameters that cannot change the values of a
-//! still image are passed over. Reading takes two steps: `tree` makes objects with parameters out
-//! of files, and one module for each kind of object makes a [`SceneDescription`] out of these.
+//! Supported plugins and parameters have the meaning and the defaults of Mitsuba 3. Anything else
+//! is an error that names its place and the alternatives; only parameters that cannot change the
+//! values of a still image are ignored. Loading takes two steps: `xml` turns files into objects
+//! with parameters, then one module for each kind of object turns these into a
+//! [`SceneDescription`]. A new plugin is a file in the module of its kind and an entry in that
+//! module's list `PLUGINS`.
 
-mod attributes;
 mod bsdf;
+mod builder;
 mod color;
-mod document;
 mod emitter;
 mod error;
+mod file;
 mod film;
-mod ids;
+mod image_file;
 mod integrator;
 mod mesh;
-mod nesting;
-mod object;
-mod parameter;
-mod property;
 mod scene;
 mod sensor;
 mod shape;
 mod source;
-mod substitution;
 mod texture;
-mod transform;
-mod tree;
-mod upgrade;
-mod value;
+mod xml;
 
 use std::path::Path;
 
+pub use builder::Overrides;
 pub use error::{Cause, LoadError, Warning};
 pub use mesh::MeshError;
 pub use source::{Place, SourceFile};
 
 use crate::scene::SceneDescription;
 
-/// A scene as its files say it.
+/// A scene loaded from files.
 #[derive(Debug)]
 pub struct Loaded {
     /// The scene.
     pub description: SceneDescription,
-    /// What is strange about its files.
+    /// Suspicious parts of its files.
     pub warnings: Vec<Warning>,
 }
 
-/// What the user wants otherwise than the scene file says.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Overrides {
-    /// Width and height of the image in pixels. The field of view follows as if the film said so.
-    pub size: Option<[u32; 2]>,
-}
-
-/// Loads the scene file at `path`. `defines` are names and values for `$name`; they win over the
-/// `<default>`s of the file.
+/// Loads the scene file at `path`. `defines` are names and values for `$name`; they take precedence
+/// over the `<default>`s of the file.
 ///
 /// # Errors
-/// If a file is missing or broken, or says something that is not modelled.
+/// If a file is missing or invalid, or uses a feature that is not modelled.
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Loaded, LoadError> {
     load_with(path, defines, Overrides::default())
 }
 
-/// As [`load`], with some things otherwise than the scene file says.
+/// As [`load`], with `overrides` in place of what the scene file specifies.
 ///
 /// # Errors
 /// As [`load`].
@@ -72,7 +60,7 @@ pub fn load_with(
     defines: &[(String, String)],
     overrides: Overrides,
 ) -> Result<Loaded, LoadError> {
-    let mut tree = tree::Tree::read(path, defines)?;
+    let mut tree = xml::Tree::read(path, defines)?;
     let mut warnings = std::mem::take(&mut tree.warnings);
     let description = scene::build(&tree, overrides, &mut warnings)?;
     Ok(Loaded {

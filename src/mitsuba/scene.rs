@@ -1,65 +1,21 @@
-//! The scene as a whole.
+//! `scene`: assembles the objects of all kinds.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-use super::error::{Cause, LoadError, Warning};
-use super::object::{Object, Tag};
-use super::property::Value;
-use super::tree::Tree;
-use super::{Overrides, bsdf, emitter, integrator, sensor, shape, texture};
-use crate::scene::{
-    DepthLimits, EmitterDescription, Material, SceneDescription, ShapeDescription, Texture,
-};
+use super::builder::{Builder, Overrides};
+use super::error::{Cause, LoadError, Located, Warning};
+use super::xml::{Tag, Tree, Value};
+use super::{bsdf, emitter, integrator, sensor, shape, texture};
+use crate::scene::SceneDescription;
 
-/// What has been made of the objects so far.
-pub struct Builder<'a> {
-    /// Source.
-    pub tree: &'a Tree,
-    /// Indexed by the materials.
-    pub textures: Vec<Texture>,
-    /// Indexed by the shapes.
-    pub materials: Vec<Material>,
-    /// Textures made of objects: object to texture.
-    pub texture_of: HashMap<usize, u32>,
-    /// Materials made of objects: object to material.
-    pub material_of: HashMap<usize, u32>,
-    /// Surfaces.
-    pub shapes: Vec<ShapeDescription>,
-    /// Emitters that are not surfaces.
-    pub emitters: Vec<EmitterDescription>,
-    /// What is strange.
-    pub warnings: &'a mut Vec<Warning>,
-}
-
-impl<'a> Builder<'a> {
-    /// An object by its index.
-    pub fn object(&self, index: usize) -> &'a Object {
-        &self.tree.objects[index]
-    }
-
-    /// Checks that everything in the object has been used.
-    pub fn finish(&self, object: &Object) -> Result<(), LoadError> {
-        object.finish(&self.tree.objects)
-    }
-}
-
-/// The description of the scene that `tree` holds.
+/// Builds the scene from the objects of `tree`.
 pub fn build(
     tree: &Tree,
     overrides: Overrides,
     warnings: &mut Vec<Warning>,
 ) -> Result<SceneDescription, LoadError> {
-    let scene = &tree.objects[0];
-    let mut builder = Builder {
-        tree,
-        textures: Vec::new(),
-        materials: Vec::new(),
-        texture_of: HashMap::new(),
-        material_of: HashMap::new(),
-        shapes: Vec::new(),
-        emitters: Vec::new(),
-        warnings,
-    };
+    let mut builder = Builder::new(tree, overrides, warnings);
+    let scene = builder.object(0);
     let mut view = None;
     let mut depth = None;
     let mut seen = HashSet::new();
@@ -74,21 +30,17 @@ pub fn build(
             Tag::Bsdf => drop(bsdf::material(&mut builder, index)?),
             Tag::Texture => drop(texture::texture(&mut builder, index)?),
             _ if is_repetition => {
-                return Err(property.error(Cause::Conflict(format!(
-                    "the {} is part of the scene already",
-                    object.title()
-                ))));
+                let title = object.title();
+                return Err(property.conflict(format!("the {title} is already part of the scene")));
             }
             Tag::Shape => shape::shape(&mut builder, index)?,
             Tag::Emitter => emitter::emitter(&mut builder, index)?,
-            Tag::Sensor if view.is_some() => builder.warnings.push(Warning {
-                place: Some(object.place.clone()),
-                text: "only the first sensor of a scene is used, and this is another".into(),
-            }),
-            Tag::Sensor => view = Some(sensor::sensor(tree, index, overrides)?),
+            Tag::Sensor if view.is_some() => builder.warnings.push(
+                object.warning("only the first sensor of a scene is used; this one is ignored"),
+            ),
+            Tag::Sensor => view = Some(sensor::sensor(&builder, index)?),
             Tag::Integrator if depth.is_some() => {
-                let problem = "a scene may have one integrator only, and this is another";
-                return Err(object.error(Cause::Conflict(problem.into())));
+                return Err(object.conflict("a scene may have only one integrator"));
             }
             Tag::Integrator => depth = Some(integrator::depth_limits(&mut builder, index)?),
             Tag::Scene | Tag::Film | Tag::Sampler | Tag::Rfilter => property.used.set(false),
@@ -102,10 +54,7 @@ pub fn build(
     Ok(SceneDescription {
         camera,
         film,
-        depth: depth.unwrap_or(DepthLimits {
-            max_depth: None,
-            rr_depth: integrator::DEFAULT_RR_DEPTH,
-        }),
+        depth: depth.unwrap_or(integrator::DEFAULT_DEPTH_LIMITS),
         textures: builder.textures,
         materials: builder.materials,
         shapes: builder.shapes,

@@ -1,18 +1,23 @@
 //! `sensor`: pinhole and thin-lens cameras.
 
-use glam::DMat4;
+use glam::{DMat3, DMat4, DVec4};
 
-use super::error::{Cause, LoadError};
-use super::object::{Object, Tag};
-use super::tree::Tree;
-use super::{Overrides, film, value};
+use super::builder::Builder;
+use super::error::{Cause, LoadError, Located};
+use super::film;
+use super::xml::{Object, Tag, value};
 use crate::scene::{CameraDescription, FilmSettings, ThinLens};
 
-/// Diagonal of a frame of 35 mm film, which `focal_length` refers to, in millimetres: 36 x 24.
+/// Diagonal of a frame of 35 mm film (36 mm x 24 mm), which `focal_length` refers to, in
+/// millimetres.
 const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
-/// Greatest departure of the camera's axes from unit length and right angles.
-const UNEVENNESS: f64 = 1e-3;
+/// Greatest deviation of the scalar products of the camera's axes from those of orthonormal axes.
+const MAX_AXIS_ERROR: f64 = 1e-3;
 
+/// The sensors. True for those with a lens.
+const PLUGINS: [(&str, bool); 2] = [("perspective", false), ("thinlens", true)];
+
+/// Which extent of the image the field of view refers to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Axis {
     X,
@@ -24,26 +29,25 @@ enum Axis {
 
 /// The camera at `index` and its film.
 pub fn sensor(
-    tree: &Tree,
+    builder: &Builder,
     index: usize,
-    overrides: Overrides,
 ) -> Result<(CameraDescription, FilmSettings), LoadError> {
-    let object = &tree.objects[index];
-    if !["perspective", "thinlens"].contains(&object.plugin.as_str()) {
-        return Err(object.unknown_plugin(&["perspective", "thinlens"]));
-    }
-    let film = film::film(tree, object.child(&tree.objects, Tag::Film)?, overrides)?;
+    let object = builder.object(index);
+    let has_lens = object.find_plugin(&PLUGINS)?;
+    let film = film::film(builder, builder.child(object, Tag::Film)?)?;
     let aspect = f64::from(film.width) / f64::from(film.height);
     let positive = |x: f64| x > 0.0;
     let near_clip = object.float_in("near_clip", 1e-2, "above 0", positive)?;
     let far_clip = object.float_in("far_clip", 1e4, "above `near_clip`", |x| x > near_clip)?;
     if far_clip <= near_clip {
-        let problem = format!("`near_clip` {near_clip} is not below `far_clip` {far_clip}");
-        return Err(object.error(Cause::Conflict(problem)));
+        return Err(object.conflict(format!(
+            "`near_clip` {near_clip} is not below `far_clip` {far_clip}"
+        )));
     }
-    let lens = match object.plugin.as_str() {
-        "thinlens" => Some(lens(object, far_clip)?),
-        _ => None,
+    let lens = if has_lens {
+        Some(lens(object, far_clip)?)
+    } else {
+        None
     };
     let camera = CameraDescription {
         to_world: to_world(object)?,
@@ -56,9 +60,9 @@ pub fn sensor(
         object.float_in(name, 0.0, "0: a shifted film is not modelled", |x| x == 0.0)?;
     }
     object.ignore(&["shutter_open", "shutter_close", "focus_distance"]);
-    // A sampler has no influence on what an image converges to.
-    object.child(&tree.objects, Tag::Sampler)?;
-    object.finish(&tree.objects)?;
+    // The sampler does not change what the image converges to.
+    builder.child(object, Tag::Sampler)?;
+    builder.finish(object)?;
     Ok((camera, film))
 }
 
@@ -77,27 +81,29 @@ fn lens(object: &Object, far_clip: f64) -> Result<ThinLens, LoadError> {
 }
 
 fn to_world(object: &Object) -> Result<DMat4, LoadError> {
-    let matrix = object.transform("to_world")?;
-    let m = glam::DMat3::from_mat4(matrix);
+    let Some((matrix, property)) = object.transform("to_world")? else {
+        return Ok(DMat4::IDENTITY);
+    };
+    let m = DMat3::from_mat4(matrix);
     let gram = m.transpose() * m;
-    let is_even = gram.abs_diff_eq(glam::DMat3::IDENTITY, UNEVENNESS);
-    let is_affine = matrix.row(3) == glam::DVec4::W;
-    match object.find("to_world") {
-        Some(property) if !(is_even && is_affine) => Err(property.error(Cause::NotModelled(
-            "scale and shear in the transform of a sensor; it may move, turn and mirror".into(),
-        ))),
-        _ => Ok(matrix),
+    let is_orthogonal = gram.abs_diff_eq(DMat3::IDENTITY, MAX_AXIS_ERROR);
+    let is_affine = matrix.row(3) == DVec4::W;
+    if is_orthogonal && is_affine {
+        return Ok(matrix);
     }
+    let feature = "scale and shear in the transform of a sensor; it may only translate, rotate and \
+                   reflect";
+    Err(property.not_modelled(feature))
 }
 
-/// Horizontal field of view in degrees, as Mitsuba 3 derives it from `fov` or `focal_length` for a
-/// film of the given width over height.
+/// Horizontal field of view in degrees, as Mitsuba 3 derives it from `fov` or `focal_length`.
+/// `aspect` is the width of the film over its height.
 fn horizontal_fov(object: &Object, aspect: f64) -> Result<f64, LoadError> {
     let is_angle = |x: f64| x > 0.0 && x < 180.0;
+    // The tangent of half the field of view along an axis.
     let (half, axis) = if object.find("fov").is_some() {
         if let Some(property) = object.find("focal_length") {
-            let problem = "give either `fov` or `focal_length`, not both";
-            return Err(property.error(Cause::Conflict(problem.into())));
+            return Err(property.conflict("give either `fov` or `focal_length`, not both"));
         }
         let range = "above 0 and below 180 degrees";
         let fov = object.float_in("fov", 0.0, range, is_angle)?;
@@ -139,16 +145,10 @@ fn horizontal_fov(object: &Object, aspect: f64) -> Result<f64, LoadError> {
 
 /// In millimetres; written `50mm` or `50`.
 fn focal_length(object: &Object) -> Result<f64, LoadError> {
-    let Some(text) = object.text("focal_length")? else {
+    let Some((text, property)) = object.text("focal_length")? else {
         return Ok(50.0);
     };
     let number = text.trim().strip_suffix("mm").unwrap_or(text);
     let length = value::float(number).ok().filter(|&x| x > 0.0);
-    match (length, object.find("focal_length")) {
-        (Some(length), _) => Ok(length),
-        (None, Some(property)) => {
-            Err(property.error(value::malformed(text, "a length such as `50mm`")))
-        }
-        (None, None) => Err(object.missing("`focal_length`")),
-    }
+    length.ok_or_else(|| property.error(value::malformed(text, "a length such as `50mm`")))
 }

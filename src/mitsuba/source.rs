@@ -1,4 +1,4 @@
-//! Files of a scene, and places in them.
+//! The text of scene files, and places in it.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,19 +7,19 @@ use std::sync::Arc;
 
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
-/// Longest line, in bytes, that is worth showing under an error message.
-const LONGEST_SHOWN_LINE: usize = 400;
+/// Longest line that an error report shows, in bytes.
+const MAX_SHOWN_LINE: usize = 400;
 
 /// The text of one scene file.
 pub struct SourceFile {
     path: PathBuf,
     text: String,
-    /// Bytes at which lines begin: each shape of a scene asks for its line.
+    /// Offsets in bytes at which lines begin. Kept because every shape asks for its line number.
     lines: Vec<usize>,
 }
 
 impl SourceFile {
-    /// A file's path, as messages shall show it, and its text.
+    /// A file with `text`; messages name it by `path`.
     pub(super) fn new(path: PathBuf, text: String) -> Arc<Self> {
         let newlines = text.bytes().enumerate().filter(|&(_, b)| b == b'\n');
         let lines = std::iter::once(0).chain(newlines.map(|(at, _)| at + 1));
@@ -27,12 +27,12 @@ impl SourceFile {
         Arc::new(Self { path, text, lines })
     }
 
-    /// As given on the command line or found from there.
+    /// The path, as given on the command line or relative to a path given there.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The whole text.
+    /// The text.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -64,16 +64,17 @@ impl SourceCode for SourceFile {
     }
 }
 
-/// A stretch of a scene file. Its `Display` is `path:line:column`, both counted from 1, columns in
-/// characters.
+/// A range of the text of a scene file. Its `Display` is `path:line:column`, both counted from 1,
+/// columns in characters.
 #[derive(Clone, Debug)]
 pub struct Place {
     file: Arc<SourceFile>,
-    /// Bytes.
+    /// In bytes.
     span: Range<usize>,
 }
 
 impl Place {
+    /// The bytes `span` of `file`.
     pub(super) fn new(file: &Arc<SourceFile>, span: Range<usize>) -> Self {
         let file = Arc::clone(file);
         Self { file, span }
@@ -95,21 +96,20 @@ impl Place {
         (line, before.iter().filter(is_start).count() + 1)
     }
 
-    /// For a caret under the fault.
+    /// The range, for a report that marks the fault.
     pub(super) fn span(&self) -> SourceSpan {
         (self.span.start, self.span.len()).into()
     }
 
-    /// False if the line is too long for a screen.
-    pub(super) fn is_worth_showing(&self) -> bool {
+    /// True if the lines around the place are short enough for a report.
+    pub(super) fn fits_in_a_report(&self) -> bool {
         let bytes = self.file.text.as_bytes();
         let start = self.span.start.min(bytes.len());
         let end = self.span.end.min(bytes.len());
         let head = bytes[..start].iter().rev().take_while(|&&b| b != b'\n');
         let tail = bytes[end..].iter().take_while(|&&b| b != b'\n');
-        head.take(LONGEST_SHOWN_LINE).count() + tail.take(LONGEST_SHOWN_LINE).count()
-            < LONGEST_SHOWN_LINE
-            && end - start < LONGEST_SHOWN_LINE
+        head.take(MAX_SHOWN_LINE).count() + tail.take(MAX_SHOWN_LINE).count() < MAX_SHOWN_LINE
+            && end - start < MAX_SHOWN_LINE
     }
 }
 

@@ -1,4 +1,4 @@
-//! Charts with lines, bands, points and bars over one pair of axes each, side by side.
+//! Charts with lines, bands, points and bars, each over one pair of axes, side by side.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
@@ -9,30 +9,30 @@ use super::{PlotError, series_color};
 /// Size of one chart, in pixels of the SVG.
 const SIZE: (u32, u32) = (520, 440);
 
-/// Height of a line of the legend, and where it begins.
+/// Height of a line of the legend and its left edge, in pixels.
 const LEGEND_LINE: i32 = 17;
 const LEGEND_LEFT: i32 = 74;
 
-/// How numbers are laid out along an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// In even steps.
+    /// Equal steps are equally long.
     Linear,
-    /// In even factors; what is not above 0 is left out.
+    /// Equal factors are equally long. Values that are not above 0 are omitted.
     Logarithmic,
 }
 
 /// An axis.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// What it shows, with its unit.
+    /// The quantity and its unit.
     pub label: String,
-    /// How numbers are laid out.
+    /// The scale.
     pub scale: Scale,
 }
 
 impl Axis {
-    /// With even steps.
+    /// An axis with a linear scale.
     pub fn linear(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -40,7 +40,7 @@ impl Axis {
         }
     }
 
-    /// With even factors.
+    /// An axis with a logarithmic scale.
     pub fn logarithmic(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -52,7 +52,7 @@ impl Axis {
         value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
     }
 
-    /// The least range with room for all of `values`.
+    /// The range that contains all of `values`, with a margin.
     fn range(&self, values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
         let shown = values.filter(|&v| self.shows(v));
         let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -72,46 +72,47 @@ impl Axis {
 pub enum Mark {
     /// A line through the points.
     Line,
-    /// A broken line, for what is said and not measured.
+    /// A dashed line, for values that are not measured.
     Dashes,
-    /// A dot each.
+    /// A dot at each point.
     Dots,
-    /// A bar from 0 to each point; `x` is the left edge, the next point's `x` the right one.
+    /// A bar from 0 to each point. Its left edge is the `x` of the point, its right edge that of
+    /// the next point.
     Bars,
 }
 
 /// One series of a chart.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// For the legend; none if empty.
+    /// The label in the legend; no entry if empty.
     pub label: String,
     /// x and y, in the order of drawing.
     pub points: Vec<[f64; 2]>,
-    /// x, and the lower and upper edge of a band around the points; may be empty.
+    /// x, and the lower and upper edge of a band around the points. May be empty.
     pub band: Vec<[f64; 3]>,
     /// How points are drawn.
     pub mark: Mark,
-    /// Which colour, as [`series_color`] counts them.
+    /// The colour, as an argument of [`series_color`].
     pub color: usize,
 }
 
 /// A chart.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Over the chart.
+    /// Title above the chart.
     pub title: String,
-    /// To the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Upwards.
+    /// The vertical axis.
     pub y: Axis,
-    /// What it shows, the first at the bottom.
+    /// The series, drawn in this order.
     pub series: Vec<Series>,
 }
 
 /// Draws `charts` side by side, `columns` in a row, as an SVG document.
 ///
 /// # Errors
-/// If an axis has no range that can be drawn.
+/// If the range of an axis cannot be drawn.
 pub fn draw(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
     let columns = columns.clamp(1, charts.len().max(1));
     let rows = charts.len().div_ceil(columns).max(1);
@@ -238,7 +239,7 @@ impl Chart {
         drawn.map(|_| ()).map_err(PlotError::new)
     }
 
-    /// A line of its mark and its label for each series that has one.
+    /// Draws a line with mark and label for each labelled series.
     fn draw_legend(&self, area: &Area) -> Result<(), PlotError> {
         let style = ("sans-serif", 12).into_text_style(area);
         for (i, series) in self.labelled().enumerate() {
@@ -266,7 +267,7 @@ impl Chart {
     }
 }
 
-/// A number as short as an axis wants it.
+/// A number formatted for an axis, as short as possible.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
@@ -275,7 +276,7 @@ pub(super) fn number(value: f64) -> String {
         let text = format!("{value:.1e}");
         text.replace(".0e", "e")
     } else {
-        // Four digits, three after the point at most.
+        // Four significant digits, at most three after the point.
         let decimals = (3.0 - size.log10().floor()).clamp(0.0, 3.0) as usize;
         let text = format!("{value:.decimals$}");
         if decimals == 0 {
@@ -309,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_axis_and_mark_makes_a_document_that_can_be_rendered() {
+    fn all_axes_and_marks_can_be_rasterized() {
         let points = vec![[1.0, 5.0], [10.0, 0.1], [100.0, 0.0], [f64::NAN, 1.0]];
         let axes = [Axis::linear, Axis::logarithmic];
         let mut charts = Vec::new();

@@ -1,7 +1,7 @@
-//! Colours that stay apart for every reader.
+//! Colours that readers with any colour vision can distinguish.
 
-/// Okabe and Ito's colours ("Color universal design", 2008), which readers without one kind of cone
-/// tell apart, less yellow, which white paper swallows.
+/// The colours of Okabe and Ito ("Color universal design", 2008), which are distinguishable with
+/// any kind of colour blindness, without yellow, which is hard to see on white.
 const SERIES: [[u8; 3]; 7] = [
     [0, 114, 178],
     [213, 94, 0],
@@ -12,13 +12,13 @@ const SERIES: [[u8; 3]; 7] = [
     [0, 0, 0],
 ];
 
-/// The colour of series `i`; they repeat after seven.
+/// The colour of series `i`. Colours repeat after seven.
 pub fn series_color(i: usize) -> [u8; 3] {
     SERIES[i % SERIES.len()]
 }
 
-/// Nine colours of matplotlib's map "inferno" at equal distances: dark to bright in even steps of
-/// perceived lightness, in colour and in grey.
+/// Nine equidistant colours of matplotlib's colour map "inferno", whose perceived lightness
+/// increases uniformly, also when printed in grey.
 const MAP: [[u8; 3]; 9] = [
     [0, 0, 4],
     [31, 12, 72],
@@ -31,18 +31,18 @@ const MAP: [[u8; 3]; 9] = [
     [252, 255, 164],
 ];
 
-/// A false colour for `value` in [0, 1], from black over red to a bright yellow; clamped, and NaN is
+/// The false colour of `value`, clamped to [0, 1], from black over red to bright yellow. NaN is
 /// grey.
 pub fn false_color(value: f64) -> [u8; 3] {
     if value.is_nan() {
         return [128; 3];
     }
-    let place = value.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
-    let i = (place as usize).min(MAP.len() - 2);
-    let share = place - i as f64;
+    let position = value.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
+    let i = (position as usize).min(MAP.len() - 2);
+    let fraction = position - i as f64;
     std::array::from_fn(|c| {
         let [a, b] = [MAP[i][c], MAP[i + 1][c]].map(f64::from);
-        (a + share * (b - a)).round() as u8
+        (a + fraction * (b - a)).round() as u8
     })
 }
 
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn false_colors_grow_brighter_and_never_leave_the_map() {
+    fn false_colors_increase_in_brightness_and_are_clamped() {
         let brightness = |v: f64| -> u32 { false_color(v).iter().map(|&c| u32::from(c)).sum() };
         let steps: Vec<u32> = (0..=8).map(|i| brightness(f64::from(i) / 8.0)).collect();
         assert!(steps.is_sorted(), "{steps:?}");

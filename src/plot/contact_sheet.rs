@@ -1,4 +1,4 @@
-//! Many small pictures on one sheet.
+//! Many small images on one sheet.
 
 use super::PlotError;
 use super::picture::{Picture, document, text};
@@ -6,7 +6,7 @@ use super::picture::{Picture, document, text};
 /// A picture with a label.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Under the picture.
+    /// Label below the picture.
     pub label: String,
     /// The picture.
     pub picture: Picture,
@@ -15,38 +15,38 @@ pub struct Cell {
 /// Pictures side by side, centred on the sheet.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Over the row.
+    /// Title above the row.
     pub title: String,
-    /// From left to right.
+    /// The pictures, from left to right.
     pub cells: Vec<Cell>,
 }
 
-/// Least and greatest width of a picture on the sheet.
-const WIDTHS: [f64; 2] = [128.0, 256.0];
+/// Least and greatest width of a picture on the sheet, in pixels.
+const WIDTH_RANGE: [f64; 2] = [128.0, 256.0];
 
-/// Room around a picture.
+/// Space around a picture, in pixels.
 const GAP: f64 = 10.0;
 
-/// Height of a line of text.
+/// Height of a line of text, in pixels.
 const LINE: f64 = 18.0;
 
-/// Room for a title.
-const LEAST_SHEET: f64 = 620.0;
+/// Least width of a sheet, so that its title fits, in pixels.
+const MIN_WIDTH: f64 = 620.0;
 
-/// Draws `rows` from the top as an SVG document, under a title and a second line. All pictures have
-/// one size.
+/// Draws `rows` from top to bottom as an SVG document, below a title and a note. All pictures have
+/// the same size.
 ///
 /// # Errors
-/// If a picture is not one.
+/// If the data of a picture does not match its size.
 pub fn draw_contact_sheet([title, note]: [&str; 2], rows: &[Row]) -> Result<String, PlotError> {
     let cells = || rows.iter().flat_map(|row| &row.cells);
     let (width, height) = cells().next().map_or((1.0, 1.0), |cell| {
         let native = cell.picture.width as f64;
-        let width = native.clamp(WIDTHS[0], WIDTHS[1]);
+        let width = native.clamp(WIDTH_RANGE[0], WIDTH_RANGE[1]);
         (width, width * cell.picture.height as f64 / native)
     });
     let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
-    let sheet = (columns as f64 * (width + GAP) + GAP).max(LEAST_SHEET);
+    let sheet = (columns as f64 * (width + GAP) + GAP).max(MIN_WIDTH);
 
     let mut body = text([GAP, LINE + 4.0, 18.0], false, title);
     body += &text([GAP, 2.0 * LINE + 4.0, 12.0], false, note);

@@ -1,29 +1,29 @@
-//! Grids of numbers in false colours, with a scale beside them.
+//! Grids of numbers in false colours, with a colour scale.
 
 use plotters::prelude::*;
 
 use super::chart::number;
 use super::{PlotError, false_color};
 
-/// Width and height of one map with title and scale, in pixels of the SVG.
+/// Width and height of one map with title and colour scale, in pixels of the SVG.
 const SIZE: (u32, u32) = (400, 320);
 
-/// Steps of the colour scale.
+/// Number of steps of the colour scale.
 const STEPS: i32 = 64;
 
 /// Numbers on a grid.
 #[derive(Clone, Debug)]
 pub struct HeatMap {
-    /// Over the map.
+    /// Title above the map.
     pub title: String,
-    /// Rows from the top; all of one length. NaN is drawn in grey.
+    /// Rows from top to bottom, all of the same length. NaN is drawn in grey.
     pub rows: Vec<Vec<f64>>,
-    /// What black and the brightest colour stand for.
+    /// The values of the darkest and the brightest colour.
     pub range: [f64; 2],
 }
 
 impl HeatMap {
-    /// From the least to the greatest of its finite numbers.
+    /// A map whose range is that of its finite numbers.
     pub fn new(title: impl Into<String>, rows: Vec<Vec<f64>>) -> Self {
         let finite = rows.iter().flatten().copied().filter(|v| v.is_finite());
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -46,7 +46,7 @@ impl HeatMap {
 /// Draws `maps` side by side as an SVG document.
 ///
 /// # Errors
-/// Never, unless the drawing library has a fault.
+/// If the drawing library fails.
 pub fn draw_heat_maps(maps: &[HeatMap]) -> Result<String, PlotError> {
     let size = (SIZE.0 * maps.len().max(1) as u32, SIZE.1);
     let mut svg = String::new();
@@ -82,7 +82,7 @@ fn draw_map(map: &HeatMap, area: &Area) -> Result<(), PlotError> {
     draw_scale(map, area)
 }
 
-/// A column of colours, with the numbers that they stand for.
+/// Draws the colour scale, a column of colours with some of their values.
 fn draw_scale(map: &HeatMap, area: &Area) -> Result<(), PlotError> {
     let [low, high] = map.range;
     let height = 4;

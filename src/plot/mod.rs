@@ -1,4 +1,4 @@
-//! Charts as SVG, and SVG as PNG. Knows nothing of rendering.
+//! Charts in SVG, and conversion of SVG to PNG. Independent of rendering.
 
 pub mod chart;
 pub mod colors;
@@ -14,7 +14,7 @@ pub use heat_map::{HeatMap, draw_heat_maps};
 pub use picture::{Picture, draw_with_scale};
 pub use raster::rasterize;
 
-/// Why a chart cannot be drawn: as a rule its numbers leave no range for an axis.
+/// Why a chart cannot be drawn, usually because its numbers give no range for an axis.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot draw the chart: {0}")]
 pub struct PlotError(pub String);

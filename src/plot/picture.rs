@@ -1,4 +1,4 @@
-//! Pictures inside SVG documents.
+//! Raster images inside SVG documents.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -7,19 +7,19 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use super::{PlotError, false_color};
 
-/// A picture in the colours of a screen.
+/// A raster image in sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels in a column.
+    /// Height in pixels.
     pub height: usize,
-    /// sRGB, three bytes for each pixel, in rows from the top.
+    /// Three bytes per pixel, in rows from top to bottom.
     pub rgb: Vec<u8>,
 }
 
 impl Picture {
-    /// `values` from 0 to 1 in false colours, in rows of `width` from the top.
+    /// `values` in [0, 1] as false colours, in rows of `width` pixels from top to bottom.
     pub fn in_false_colors(width: usize, values: &[f64]) -> Self {
         Self {
             width,
@@ -28,16 +28,16 @@ impl Picture {
         }
     }
 
-    /// The picture as a PNG file within a URI, as the `href` of an SVG or HTML image takes it.
+    /// The picture as a PNG file in a data URI, for the `href` of an SVG or HTML image.
     ///
     /// # Errors
-    /// If `rgb` has another length than the size says.
+    /// If the length of `rgb` does not match the size.
     pub fn data_uri(&self) -> Result<String, PlotError> {
         let mut png = Vec::new();
         let (width, height) = (self.width as u32, self.height as u32);
         if self.rgb.len() != 3 * self.width * self.height {
             return Err(PlotError::new(
-                "a picture has not as many pixels as its size says",
+                "the number of pixels does not match the size of the picture",
             ));
         }
         PngEncoder::new(&mut png)
@@ -46,8 +46,8 @@ impl Picture {
         Ok(format!("data:image/png;base64,{}", STANDARD.encode(png)))
     }
 
-    /// The picture as an SVG element with its top left corner at `(x, y)`, `width` wide, every pixel a
-    /// sharp square.
+    /// The picture as an SVG element of the given width, with its top left corner at `(x, y)`,
+    /// without interpolation between pixels.
     pub(super) fn element(&self, [x, y, width]: [f64; 3]) -> Result<String, PlotError> {
         let height = width * self.height as f64 / self.width as f64;
         Ok(format!(
@@ -58,7 +58,8 @@ impl Picture {
     }
 }
 
-/// Text of an SVG document, `size` units high, its baseline beginning at `(x, y)`, or centred there.
+/// Text in an SVG document with font size `size`. Its baseline begins at `(x, y)` or is centred
+/// there.
 pub(super) fn text([x, y, size]: [f64; 3], centred: bool, text: &str) -> String {
     let anchor = if centred {
         " text-anchor=\"middle\""
@@ -71,7 +72,7 @@ pub(super) fn text([x, y, size]: [f64; 3], centred: bool, text: &str) -> String 
     )
 }
 
-/// An SVG document on white paper.
+/// An SVG document with a white background.
 pub(super) fn document([width, height]: [f64; 2], body: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -85,25 +86,25 @@ fn escaped(text: &str) -> String {
     text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The least width of a picture with a scale: its title and its scale need room.
-const LEAST_WIDTH: f64 = 480.0;
+/// Least width of a picture with a colour scale, so that its title and scale fit, in pixels.
+const MIN_WIDTH: f64 = 480.0;
 
-/// Height of a line of text.
+/// Height of a line of text, in pixels.
 const LINE: f64 = 18.0;
 
-/// Draws `picture`, which is in false colours, as an SVG document with `lines` of text over it, and
-/// under it the colours from 0 to 1 with `marks`: places in that range, and what they stand for.
+/// Draws `picture`, which is in false colours, as an SVG document: `lines` of text above it, and
+/// below it the colour scale from 0 to 1. `marks` are positions on the scale and their labels.
 ///
 /// # Errors
-/// If the picture is not one.
+/// If the data of the picture does not match its size.
 pub fn draw_with_scale(
     lines: &[&str],
     picture: &Picture,
     marks: &[(f64, String)],
 ) -> Result<String, PlotError> {
     let margin = 12.0;
-    // Small pictures grow by a whole number.
-    let factor = (LEAST_WIDTH / picture.width as f64).ceil().max(1.0);
+    // Small pictures are enlarged by an integer factor.
+    let factor = (MIN_WIDTH / picture.width as f64).ceil().max(1.0);
     let (width, height) = (
         factor * picture.width as f64,
         factor * picture.height as f64,
@@ -122,7 +123,7 @@ pub fn draw_with_scale(
         .collect();
     for (i, color) in colors.iter().enumerate() {
         let [r, g, b] = false_color(*color);
-        // A little wider than a step, so that no gap shows between two.
+        // Steps overlap a little, so that no gap is visible between them.
         let (x, step) = (
             width * i as f64 / f64::from(steps),
             width / f64::from(steps),
@@ -137,9 +138,9 @@ pub fn draw_with_scale(
             margin + x
         );
     }
-    for (place, label) in marks {
-        // Labels at the ends stay within the paper.
-        let x = margin + (width * place).clamp(18.0, width - 18.0);
+    for (position, label) in marks {
+        // Labels at the ends stay inside the document.
+        let x = margin + (width * position).clamp(18.0, width - 18.0);
         body += &text([x, scale_top + 28.0, 12.0], true, label);
     }
     Ok(document([width + 2.0 * margin, scale_top + 40.0], &body))
@@ -155,13 +156,13 @@ mod tests {
     }
 
     #[test]
-    fn pixels_and_scale_are_where_they_belong() {
+    fn pixels_and_scale_are_drawn_in_place() {
         let picture = Picture::in_false_colors(2, &[0.0, 1.0, f64::NAN, 0.5]);
         assert_eq!((picture.width, picture.height), (2, 2));
         let marks = [(0.0, "0".to_owned()), (1.0, "1 < 2".to_owned())];
         let image = rasterized(&draw_with_scale(&["a & b"], &picture, &marks).unwrap());
         assert_eq!(image.dimensions(), (504, 557));
-        // Each pixel is 240 wide, from (12, 27) on; the scale begins at y = 517.
+        // Each pixel is 240 wide, starting at (12, 27); the scale begins at y = 517.
         for (x, y, value) in [
             (20, 40, 0.0),
             (490, 40, 1.0),
@@ -177,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_of_another_size_is_an_error() {
+    fn data_that_does_not_match_the_size_is_an_error() {
         let picture = Picture {
             width: 2,
             height: 2,

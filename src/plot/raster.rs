@@ -1,4 +1,4 @@
-//! SVG to pixels.
+//! Conversion of SVG to PNG.
 
 use std::sync::Arc;
 
@@ -7,11 +7,12 @@ use resvg::usvg::{Options, Tree, fontdb};
 
 use super::PlotError;
 
-/// The family that the font below is known by.
+/// The family of the font below.
 const FAMILY: &str = "Ubuntu";
 
-/// Renders an SVG document, at `scale` pixels per unit, as a PNG file's bytes. Text of the family
-/// `sans-serif` is set in a font that comes with the program: the machine's fonts make no difference.
+/// Renders an SVG document at `scale` pixels per unit and returns the bytes of a PNG file. Text of
+/// the family `sans-serif` uses a font that comes with the program, so the result does not depend
+/// on the fonts of the system.
 ///
 /// # Errors
 /// If `svg` is not an SVG document or has no size.
@@ -50,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_and_text_leave_ink() {
+    fn shapes_and_text_are_drawn() {
         let head = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'>";
         let rect = pixels(&format!(
             "{head}<rect width='30' height='20' fill='red'/></svg>"
@@ -65,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_svg_is_an_error() {
+    fn invalid_svg_is_an_error() {
         assert!(rasterize("hello", 1.0).is_err());
     }
 }

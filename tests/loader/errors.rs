@@ -1,4 +1,4 @@
-//! What is wrong is said with its place, and with what there is instead.
+//! Errors have a place and list the alternatives.
 
 use std::fs;
 
@@ -31,8 +31,8 @@ fn file(kind: &str, name: &str) -> String {
     format!(r#"<shape type="{kind}"><string name="filename" value="{name}"/></shape>"#)
 }
 
-/// Each scene with `body` in its second line fails at `place` with a message that has the phrase
-/// and fits on a screen.
+/// Each case is a body, a place and a phrase. The scene with the body in its second line must fail
+/// at the place, with a message that contains the phrase and fits on a screen.
 fn assert_fail(cases: &[(String, &str, &str)]) {
     let problem = |(body, place, phrase): &(String, &str, &str)| {
         let message = match load_body(body) {
@@ -49,7 +49,7 @@ fn assert_fail(cases: &[(String, &str, &str)]) {
 }
 
 #[test]
-fn unknown_names_come_with_their_neighbours() {
+fn unknown_names_are_reported_with_suggestions() {
     assert_fail(&[
         (r#"<shpae type="sphere"/>"#.into(), "2:1", "`shape`"),
         (r#"<medium type="homogeneous"/>"#.into(), "2:1", "<medium>"),
@@ -129,7 +129,7 @@ fn unknown_names_come_with_their_neighbours() {
 }
 
 #[test]
-fn values_of_the_wrong_kind_are_refused() {
+fn values_of_the_wrong_type_are_rejected() {
     assert_fail(&[
         (
             sphere(r#"<string name="radius" value="1"/>"#),
@@ -208,7 +208,7 @@ fn values_of_the_wrong_kind_are_refused() {
 }
 
 #[test]
-fn values_out_of_range_are_refused() {
+fn values_out_of_range_are_rejected() {
     let float = |name: &str, value: &str| format!(r#"<float name="{name}" value="{value}"/>"#);
     let integer = |name: &str, value: &str| format!(r#"<integer name="{name}" value="{value}"/>"#);
     let path = |inner: String| format!(r#"<integrator type="path">{inner}</integrator>"#);
@@ -329,7 +329,7 @@ fn values_out_of_range_are_refused() {
 }
 
 #[test]
-fn what_contradicts_itself_is_refused() {
+fn contradictions_are_rejected() {
     let nested = |kind: &str| bsdf("twosided", &bsdf(kind, ""));
     let deep = "<bsdf type=\"twosided\">\n".repeat(70) + &"</bsdf>".repeat(70);
     assert_fail(&[
@@ -369,16 +369,20 @@ fn what_contradicts_itself_is_refused() {
             "2:22",
             "only `area` can",
         ),
-        (r#"<emitter type="area"/>"#.into(), "2:1", "into the shape"),
+        (
+            r#"<emitter type="area"/>"#.into(),
+            "2:1",
+            "nested in the shape",
+        ),
         (
             sphere(r#"<texture type="checkerboard"/>"#),
             "2:22",
-            "no use for a nested texture `checkerboard`",
+            "does not accept a nested texture `checkerboard`",
         ),
         (
             r#"<shape type="sphere" id="s"/><ref id="s"/>"#.into(),
             "2:30",
-            "part of the scene already",
+            "already part of the scene",
         ),
         (
             bsdf(
@@ -449,7 +453,7 @@ fn what_contradicts_itself_is_refused() {
 }
 
 #[test]
-fn files_are_named_with_the_element_that_names_them() {
+fn errors_in_files_name_the_file_and_the_element() {
     let texture = |name: &str| {
         bsdf(
             "diffuse",
@@ -491,7 +495,7 @@ fn files_are_named_with_the_element_that_names_them() {
 }
 
 #[test]
-fn images_with_impossible_values_are_refused() {
+fn images_with_invalid_values_are_rejected() {
     // 2 x 1 pixels of Radiance HDR: (0.5, 0.25, 0) and (2, 0, 0).
     let folder = TempDir::new().expect("a temporary folder");
     let path = folder.path().join("bright.hdr");
@@ -512,7 +516,7 @@ fn images_with_impossible_values_are_refused() {
 }
 
 #[test]
-fn whole_files_can_be_wrong() {
+fn invalid_scene_files_are_rejected() {
     let entities = "<!DOCTYPE a [<!ENTITY b \"x\">]><scene version=\"3.0.0\">&b;</scene>";
     for (text, place, phrase) in [
         ("", "1:1", "broken XML"),
@@ -556,7 +560,7 @@ fn whole_files_can_be_wrong() {
 }
 
 #[test]
-fn includes_come_to_an_end() {
+fn endless_includes_are_rejected() {
     let folder = TempDir::new().expect("a temporary folder");
     let write = |name: &str, text: &str| {
         let text = format!("<scene version=\"3.0.0\">\n{text}</scene>");
@@ -585,7 +589,7 @@ fn includes_come_to_an_end() {
 }
 
 #[test]
-fn a_hundred_thousand_levels_are_no_deeper_than_the_limit() {
+fn nesting_depth_is_limited() {
     let depth = 100_000;
     let text = "<scene version=\"3.0.0\">".to_owned()
         + &"<bsdf type=\"twosided\">".repeat(depth)
@@ -594,7 +598,7 @@ fn a_hundred_thousand_levels_are_no_deeper_than_the_limit() {
         + "</scene>";
     let message = load_text(&text).expect_err("too deep").to_string();
     assert!(message.contains("64 levels"), "{message}");
-    // As long a chain by references, the last defined first.
+    // A long chain of references, from the innermost object to the outermost.
     let mut chain = String::from("<bsdf type=\"diffuse\" id=\"0\"/>");
     for i in 1..10_000 {
         chain += &format!(
@@ -607,7 +611,7 @@ fn a_hundred_thousand_levels_are_no_deeper_than_the_limit() {
 }
 
 #[test]
-fn a_report_shows_the_line_with_the_fault() {
+fn reports_show_the_faulty_line() {
     let Err(error) = load_body(r#"<shape type="sphere"><float name="raduis" value="1"/></shape>"#)
     else {
         panic!("loaded");

@@ -1,14 +1,14 @@
-//! Images against what Mitsuba makes of the same files.
+//! Compares images with those that Mitsuba reads from the same files.
 
 use super::fixtures;
 use metrolight::film::{Decode, ReadImageError, read_image};
 use std::fs;
 use tempfile::TempDir;
 
-/// Mitsuba: `np.array(mi.Bitmap(name).convert(RGB, Float32, False))` at [0, 1] and [2, 3], with the
-/// error that each format admits.
+/// Mitsuba: `np.array(mi.Bitmap(name).convert(RGB, Float32, False))` at [0, 1] and [2, 3]. The
+/// tolerance is the precision of the format.
 #[test]
-fn pixels_are_mitsubas() {
+fn pixels_match_mitsuba() {
     let png = [
         [0.007_499, 0.011_612_3, 0.016_807_4],
         [0.799_102_5, 0.854_992_4, 0.913_098_4],
@@ -57,7 +57,7 @@ fn pixels_are_mitsubas() {
 }
 
 #[test]
-fn raw_images_keep_their_numbers() {
+fn raw_images_are_not_decoded() {
     let image = read_image(&fixtures().join("colors.png"), Decode::Raw).expect("a PNG");
     for (found, code) in image.pixels[1].into_iter().zip([21.0, 28.0, 35.0]) {
         assert!((found - code / 255.0).abs() < 1e-7);
@@ -67,7 +67,7 @@ fn raw_images_keep_their_numbers() {
 }
 
 #[test]
-fn sizes_beyond_reason_are_refused_before_memory_is_taken() {
+fn excessive_sizes_are_rejected_before_allocation() {
     let folder = TempDir::new().expect("a temporary folder");
     let is_too_large = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -82,7 +82,7 @@ fn sizes_beyond_reason_are_refused_before_memory_is_taken() {
         "a.hdr",
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n",
     );
-    // The data window of the EXR from (0, 0) to (9999, 9999), in a file of some hundred bytes.
+    // An EXR with a data window from (0, 0) to (9999, 9999), in a file of some hundred bytes.
     let mut exr = fs::read(fixtures().join("colors.exr")).expect("an EXR");
     let name = b"dataWindow\0box2i\0";
     let at = exr
@@ -93,8 +93,9 @@ fn sizes_beyond_reason_are_refused_before_memory_is_taken() {
         + 12;
     exr[at..at + 8].copy_from_slice(&[0x0F, 0x27, 0, 0, 0x0F, 0x27, 0, 0]);
     is_too_large("a.exr", &exr);
-    // 11000 x 11000 pixels, fewer than are allowed, in a file that cannot hold them: in the frame header
-    // of the JPEG and in the image header of the PNG (whose checksum is that of the new size).
+    // 11000 x 11000 pixels, fewer than the limit, in a file too small to contain them. The size is
+    // in the frame header of the JPEG and in the image header of the PNG, whose checksum is that of
+    // the new size.
     let size = 11_000_u16.to_be_bytes();
     let mut jpeg = fs::read(fixtures().join("flat.jpg")).expect("a JPEG");
     let frame = jpeg.windows(2).position(|w| w == [0xFF, 0xC0]);

@@ -1,4 +1,5 @@
-//! Meshes against what Mitsuba makes of the same files: `traverse(shape)["...vertex_positions"]`, ...
+//! Compares meshes with those that Mitsuba reads from the same files:
+//! `traverse(shape)["...vertex_positions"]`, ...
 
 use std::fs;
 use std::io::Write;
@@ -20,7 +21,7 @@ fn mesh(kind: &str, file: &str, parameters: &str) -> TriangleMesh {
     }
 }
 
-/// The message of a mesh file with these contents.
+/// The error message for a mesh file with these contents.
 fn failure(kind: &str, contents: &[u8], parameters: &str) -> String {
     let folder = TempDir::new().expect("a temporary folder");
     let path = folder.path().join("mesh");
@@ -50,7 +51,7 @@ const QUAD: [[f32; 3]; 4] = [
 ];
 const QUAD_UVS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.25]];
 const QUAD_TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
-/// Mitsuba's normals of the two triangles.
+/// The vertex normals that Mitsuba computes for the two triangles.
 const SMOOTH: [[f32; 3]; 4] = [
     [0.370_483, -0.370_483, 0.851_754],
     [0.0, 0.0, 1.0],
@@ -58,17 +59,17 @@ const SMOOTH: [[f32; 3]; 4] = [
     [0.577_35, -0.577_35, 0.577_35],
 ];
 
-/// Normals may be of any length.
+/// Normals of unit length: those of the loader may have any length.
 fn unit(normals: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let unit = |n: &[f32; 3]| glam::Vec3::from(*n).normalize().to_array();
     normals.iter().map(unit).collect()
 }
 
 #[test]
-fn obj_is_read_as_in_mitsuba() {
+fn obj_matches_mitsuba() {
     let quad = mesh("obj", "quad.obj", "");
-    // The quadrilateral is cut from its first corner; the triangle's vertices have no texture
-    // coordinates and are therefore others, so that the two do not smooth each other.
+    // The quadrilateral is split at its first corner. The triangle has vertices of its own, because
+    // they have no texture coordinates, so the two faces do not share vertex normals.
     assert_eq!(quad.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
     assert_eq!(
         quad.positions[4..],
@@ -97,8 +98,8 @@ fn obj_is_read_as_in_mitsuba() {
     assert!(mesh("obj", "normals.obj", flat).normals.is_empty());
 }
 
-/// Corners with the same indices are one vertex across groups, on which its normal depends; of a
-/// statement count only the numbers that belong to it.
+/// Corners with the same indices are one vertex across groups, which affects its normal. Numbers
+/// after those that a statement needs are ignored.
 #[test]
 fn groups_of_an_obj_file_are_one_mesh() {
     let mesh = mesh("obj", "groups.obj", "");
@@ -190,7 +191,7 @@ fn serialized_is_read_in_both_versions() {
 }
 
 #[test]
-fn faults_of_obj_files_have_a_line() {
+fn errors_in_obj_files_have_a_line() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (rest, phrases) in [
         ("f 1 2 4\n", [":4: ", "none of the 3 positions"]),
@@ -200,7 +201,7 @@ fn faults_of_obj_files_have_a_line() {
             "f 1 2 3\nf 1/1 2/1 3/1\n",
             [":5: ", "none of the 0 texture"],
         ),
-        // Times two or three, and plus one or two, these are small again in 64 bits.
+        // Multiplied by 2 or 3, these overflow 64 bits and become small.
         (
             "vt 0 0\nf 1/9223372036854775807 2/1 3/1\n",
             [":5: ", "none of the 1 texture"],
@@ -239,7 +240,7 @@ fn faults_of_obj_files_have_a_line() {
 }
 
 #[test]
-fn faults_of_ply_files_have_a_line_or_a_byte() {
+fn errors_in_ply_files_have_a_line_or_an_offset() {
     let ply = |vertices: u64, faces: u64, data: &str| {
         format!(
             "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\n\
@@ -309,7 +310,7 @@ fn faults_of_ply_files_have_a_line_or_a_byte() {
         message.contains("(byte ") && message.contains("ends before"),
         "{message}"
     );
-    // Four thousand million elements of no size take no time.
+    // Skipping four thousand million elements without properties takes no time.
     let nothing = ply(3, 1, &format!("{three}3 0 1 2\n")).replace(
         "element vertex",
         "element nothing 4000000000\nelement vertex",
@@ -324,7 +325,7 @@ fn faults_of_ply_files_have_a_line_or_a_byte() {
 }
 
 #[test]
-fn faults_of_serialized_files_are_errors() {
+fn faulty_serialized_files_are_rejected() {
     let stream = |vertices: u64, triangles: u64, data: &[f32]| {
         let mut encoder = ZlibEncoder::new(vec![0x1C, 0x04, 3, 0], Compression::default());
         let mut content = 0x1000_u32.to_le_bytes().to_vec();
@@ -345,18 +346,18 @@ fn faults_of_serialized_files_are_errors() {
         (
             stream(4_000_000_000, 1, &[0.0; 9]),
             "",
-            "the data end early",
+            "the data ends early",
         ),
         (
             stream(3, 4_000_000_000, &[0.0; 9]),
             "",
-            "the data end early",
+            "the data ends early",
         ),
         (stream(3, 1, &[0.0; 12]), minus, "at least 0"),
         (stream(3, 1, &[f32::NAN; 12]), "", "position of vertex 0"),
         (stream(3, 1, &[1.0; 12]), "", "refers to vertex 1065353216"),
         (stream(0, 0, &[]), "", "no triangles"),
-        (vec![0x1C, 0x04, 3, 0, 1, 2, 3], "", "the data are broken"),
+        (vec![0x1C, 0x04, 3, 0, 1, 2, 3], "", "the data is corrupt"),
         (vec![0x1C, 0x04, 5, 0], "", "version 5"),
         (
             vec![0x1C, 0x04, 3, 0, 255, 255, 255, 255],

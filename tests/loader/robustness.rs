@@ -1,4 +1,4 @@
-//! Broken files are errors: never a panic, never memory for what they merely claim.
+//! Corrupt files cause errors: no panics, and no memory allocated for sizes that they only claim.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::{BASE, fixtures};
 /// Mutations of each file.
 const MUTATIONS: usize = 200;
 
-/// Cuts the file short, or changes a few bytes or words, or repeats a stretch.
+/// Truncates the file, changes a few bytes or words, or repeats a part.
 fn mutated(bytes: &[u8], random: &mut impl Rng) -> Vec<u8> {
     let mut result = bytes.to_vec();
     for _ in 0..random.random_range(1..4) {
@@ -107,7 +107,7 @@ fn broken_images_are_errors() {
 #[test]
 fn broken_scenes_are_errors() {
     for fixture in ["everything.xml", "everything_06.xml"] {
-        // Among the fixtures, so that meshes and images are found.
+        // With the fixtures in the search path, so that meshes and images are found.
         assert_robust(fixture, |path| {
             let text = fs::read_to_string(path).unwrap_or_default();
             let search = format!("<path value=\"{}\"/>", fixtures().display());

@@ -1,19 +1,19 @@
-//! Triangle meshes from files.
+//! Readers of triangle meshes in three file formats.
 
 pub mod obj;
 pub mod ply;
 pub mod serialized;
 
 use std::fs;
-use std::io;
 use std::path::Path;
 
+use super::file::regular_file_size;
 use crate::scene::TriangleMesh;
 
-/// Most vertices or triangles of a mesh: indices have 32 bits.
-const MOST: u64 = u32::MAX as u64;
+/// Greatest number of vertices or triangles of a mesh: indices have 32 bits.
+const MAX_COUNT: u64 = u32::MAX as u64;
 
-/// What is wrong with a mesh file.
+/// Why a mesh file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{problem}")]
 pub struct MeshError {
@@ -29,25 +29,25 @@ enum Position {
 }
 
 impl MeshError {
-    fn at_line(line: usize, problem: impl Into<String>) -> Self {
-        let position = Position::Line(line);
+    fn new(position: Position, problem: impl Into<String>) -> Self {
         let problem = problem.into();
         Self { position, problem }
+    }
+
+    fn at_line(line: usize, problem: impl Into<String>) -> Self {
+        Self::new(Position::Line(line), problem)
     }
 
     fn at_byte(byte: usize, problem: impl Into<String>) -> Self {
-        let position = Position::Byte(byte);
-        let problem = problem.into();
-        Self { position, problem }
+        Self::new(Position::Byte(byte), problem)
     }
 
     fn nowhere(problem: impl Into<String>) -> Self {
-        let position = Position::Unknown;
-        let problem = problem.into();
-        Self { position, problem }
+        Self::new(Position::Unknown, problem)
     }
 
-    /// ":12" for line 12 of a text, " (byte 12)" for the 12th byte of another file, or nothing.
+    /// The position in messages: ":12" for line 12 of a text file, " (byte 12)" for offset 12 of a
+    /// binary file, or nothing.
     pub fn position(&self) -> String {
         match self.position {
             Position::Line(line) => format!(":{line}"),
@@ -57,32 +57,22 @@ impl MeshError {
     }
 }
 
-/// A mesh as its file has it.
+/// A mesh read from a file.
 pub struct MeshFile {
-    /// Checked: finite, in range, not empty.
+    /// The mesh: not empty, all numbers finite, all indices in range.
     pub mesh: TriangleMesh,
-    /// Something that the user should know.
+    /// A warning for the user.
     pub note: Option<String>,
 }
 
-/// The whole of a file.
+/// The contents of a file.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
-    let unreadable = |error: io::Error| MeshError::nowhere(format!("cannot read it: {error}"));
-    let metadata = fs::metadata(path).map_err(unreadable)?;
-    if !metadata.is_file() {
-        return Err(unreadable(io::Error::other("it is not a file")));
-    }
-    fs::read(path).map_err(unreadable)
+    let bytes = regular_file_size(path).and_then(|_| fs::read(path));
+    bytes.map_err(|error| MeshError::nowhere(format!("cannot read it: {error}")))
 }
 
-/// The line, from 1, of a byte of `text`.
-fn line_of(text: &[u8], byte: usize) -> usize {
-    let before = &text[..byte.min(text.len())];
-    before.iter().filter(|&&b| b == b'\n').count() + 1
-}
-
-/// Checks what every user of a [`TriangleMesh`] relies on. Normals count only where a triangle uses
-/// them, for files have vertices to spare with normals of no length.
+/// Checks the invariants of a [`TriangleMesh`]. Normals are checked only where a triangle uses
+/// them, because files contain unused vertices with normals of length zero.
 fn check(mesh: &TriangleMesh) -> Result<(), MeshError> {
     if mesh.triangles.is_empty() {
         return Err(MeshError::nowhere("the mesh has no triangles"));

@@ -1,33 +1,34 @@
-//! Mitsuba's `serialized` meshes, versions 3 and 4 (Mitsuba 0.6 manual, section 8.2.9): after four
-//! bytes each mesh is a zlib stream, and a table of where each begins ends the file.
+//! Mitsuba's `serialized` meshes, versions 3 and 4 (Mitsuba 0.6 manual, section 8.2.9). Each mesh
+//! is a header of four bytes and a zlib stream. A table with the offsets of the meshes ends the
+//! file.
 
 use std::io::{self, BufReader, Read};
 
 use flate2::read::ZlibDecoder;
 
-use super::{MOST, MeshError, MeshFile, check};
+use super::{MAX_COUNT, MeshError, MeshFile, check};
 use crate::scene::TriangleMesh;
 
 const MAGIC: u16 = 0x041C;
 const HAS_NORMALS: u32 = 0x0001;
 const HAS_UVS: u32 = 0x0002;
 const HAS_COLORS: u32 = 0x0008;
-// A further flag, 0x0010, asks for face normals; Mitsuba 3 passes it over, and so do we.
+// The flag 0x0010, face normals, is ignored as in Mitsuba 3.
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Longest name of a mesh in bytes.
-const LONGEST_NAME: usize = 1 << 16;
+/// Greatest length of the name of a mesh in bytes.
+const MAX_NAME_LENGTH: usize = 1 << 16;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Version {
-    /// Offsets of 32 bits, no names.
+    /// 32-bit offsets, no names.
     V3,
-    /// Offsets of 64 bits, and names.
+    /// 64-bit offsets, and names.
     V4,
 }
 
-/// Reads the mesh with the number `index`, from 0. Without `with_normals` the normals of the file
-/// are left out.
+/// Reads the mesh number `index`, counted from 0. Without `with_normals` the normals of the file
+/// are ignored.
 pub fn read(bytes: &[u8], index: usize, with_normals: bool) -> Result<MeshFile, MeshError> {
     let version = version(bytes, 0)?;
     let start = match index {
@@ -60,9 +61,9 @@ fn version(bytes: &[u8], start: usize) -> Result<Version, MeshError> {
     }
 }
 
-/// Where the mesh `index` begins, from the table at the end of the file.
+/// The offset of mesh `index`, from the table at the end of the file.
 fn offset(bytes: &[u8], version: Version, index: usize) -> Result<usize, MeshError> {
-    let truncated = || MeshError::at_byte(bytes.len(), "the table at the end is broken");
+    let truncated = || MeshError::at_byte(bytes.len(), "the table at the end is invalid");
     let count = bytes.last_chunk().ok_or_else(truncated)?;
     let count = u32::from_le_bytes(*count) as usize;
     if index >= count {
@@ -121,12 +122,12 @@ fn decode<R: Read>(
 
 fn count(what: &str, claimed: u64) -> Result<u64, String> {
     match claimed {
-        0..=MOST => Ok(claimed),
+        0..=MAX_COUNT => Ok(claimed),
         _ => Err(format!("it claims {claimed} {what}")),
     }
 }
 
-/// Decompressed data. Arrays grow as data arrive, whatever length is claimed.
+/// Decompressed data. Arrays grow as data arrives: the lengths in the file may be wrong.
 struct Stream<R>(R);
 
 impl<R: Read> Stream<R> {
@@ -137,12 +138,12 @@ impl<R: Read> Stream<R> {
     }
 
     fn skip_name(&mut self) -> Result<(), String> {
-        for _ in 0..LONGEST_NAME {
+        for _ in 0..MAX_NAME_LENGTH {
             if self.take()? == [0] {
                 return Ok(());
             }
         }
-        Err("its name has no end".into())
+        Err("its name is not terminated".into())
     }
 
     fn array<const N: usize>(&mut self, count: u64, double: bool) -> Result<Vec<[f32; N]>, String> {
@@ -164,7 +165,7 @@ impl<R: Read> Stream<R> {
 
 fn broken(error: io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::UnexpectedEof => "the data end early".into(),
-        _ => format!("the data are broken: {error}"),
+        io::ErrorKind::UnexpectedEof => "the data ends early".into(),
+        _ => format!("the data is corrupt: {error}"),
     }
 }

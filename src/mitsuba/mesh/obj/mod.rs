@@ -1,10 +1,10 @@
-//! Wavefront OBJ: positions, texture coordinates, normals and polygons, as Mitsuba 3 reads them. Groups
-//! and materials are passed over: the file is one mesh, and corners with the same indices are one
-//! vertex even across groups, on which computed normals depend.
+//! Wavefront OBJ: positions, texture coordinates, normals and polygons, as Mitsuba 3 reads them.
+//! Groups and materials are ignored: the file is one mesh, and corners with the same indices are
+//! one vertex even across groups, which affects computed normals.
 
 mod statements;
 
-use super::{MOST, MeshError, MeshFile, check};
+use super::{MAX_COUNT, MeshError, MeshFile, check};
 use crate::scene::TriangleMesh;
 
 const OPTIONS: tobj::LoadOptions = tobj::LoadOptions {
@@ -14,25 +14,25 @@ const OPTIONS: tobj::LoadOptions = tobj::LoadOptions {
     ignore_lines: false,
 };
 
-/// Reads a mesh. `flip_v` turns texture coordinates (u, v) into (u, 1 - v); without `with_normals`
-/// the normals of the file do not matter.
+/// Reads a mesh. `flip_v` turns texture coordinates (u, v) into (u, 1 - v). Without `with_normals`
+/// the normals of the file are ignored.
 pub fn read(bytes: &[u8], flip_v: bool, with_normals: bool) -> Result<MeshFile, MeshError> {
     let text = statements::checked(bytes, with_normals)?;
     let without_materials = |_: &_| Err(tobj::LoadError::OpenFileFailed);
     let (mut models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &OPTIONS, without_materials)
         .map_err(|error| MeshError::nowhere(error.to_string()))?;
-    // One model, for no statement of a group or a material is among these.
+    // There is one model, because the checked text has no groups and materials.
     let mesh = models.pop().map(|model| model.mesh);
     mesh_file(mesh.unwrap_or_default(), flip_v)
 }
 
-/// From flat arrays, in which NaN stands for what a vertex does not have.
+/// A mesh from flat arrays, in which NaN stands for a missing normal or texture coordinate.
 fn mesh_file(mesh: tobj::Mesh, flip_v: bool) -> Result<MeshFile, MeshError> {
     let positions = mesh.positions.as_chunks().0.to_vec();
     let mut normals: Vec<[f32; 3]> = mesh.normals.as_chunks().0.to_vec();
     let mut uvs: Vec<[f32; 2]> = mesh.texcoords.as_chunks().0.to_vec();
     let total = positions.len();
-    if total as u64 > MOST {
+    if total as u64 > MAX_COUNT {
         return Err(MeshError::nowhere(format!("{total} vertices are too many")));
     }
     let without_normal = normals.iter().filter(|[x, ..]| x.is_nan()).count();
@@ -40,8 +40,8 @@ fn mesh_file(mesh: tobj::Mesh, flip_v: bool) -> Result<MeshFile, MeshError> {
         normals.clear();
     } else if without_normal != 0 {
         return Err(MeshError::nowhere(format!(
-            "{without_normal} of {total} vertices have no normal while others have; give all or \
-             none, or set `face_normals`"
+            "{without_normal} of {total} vertices have no normal, but the others have one; give \
+             normals to all or none, or set `face_normals`"
         )));
     }
     let without_uv = uvs.iter().filter(|[u, _]| u.is_nan()).count();
@@ -63,7 +63,7 @@ fn mesh_file(mesh: tobj::Mesh, flip_v: bool) -> Result<MeshFile, MeshError> {
     };
     check(&mesh)?;
     let note = (!mesh.uvs.is_empty() && without_uv != 0).then(|| {
-        format!("{without_uv} of {total} vertices have no texture coordinates; they get (0, 0)")
+        format!("{without_uv} of {total} vertices have no texture coordinates; (0, 0) is used")
     });
     Ok(MeshFile { mesh, note })
 }

@@ -1,18 +1,19 @@
-//! The statements of an OBJ file that make its mesh, checked line by line and written so that tobj
-//! takes them as Mitsuba 3 would: tobj divides positions by a fourth number, reads comments behind
-//! statements, begins a new model at each group or material, and does not say at which line it stops.
+//! Checks the statements of an OBJ file line by line, and rewrites those that define the mesh so
+//! that tobj reads them as Mitsuba 3 would. By itself, tobj divides positions by a fourth number,
+//! reads comments at the end of statements, begins a new model at each group or material, and does
+//! not report the line of an error.
 
 use std::fmt::Write;
 
 use super::super::MeshError;
 
-/// The first texture coordinate and the first normal. Corners that have none refer to these: tobj
-/// leaves out what a corner lacks, and which vertex has which of the others is lost.
+/// The first texture coordinate and the first normal, which corners without their own refer to.
+/// tobj omits what a corner lacks, so that its arrays would no longer match the vertices.
 const MISSING: &str = "vt nan nan\nvn nan nan nan\n";
 
-/// Statements `v x y z`, `vt u v`, `vn x y z` of finite numbers and `f v/vt/vn ...` of at least three
-/// corners with indices in range, behind those of [`MISSING`]. Without `with_normals` no corner has
-/// a normal.
+/// [`MISSING`], followed by the statements `v x y z`, `vt u v` and `vn x y z` with finite numbers,
+/// and `f v/vt/vn ...` with at least three corners and valid indices. Without `with_normals` no
+/// corner has a normal.
 pub fn checked(bytes: &[u8], with_normals: bool) -> Result<String, MeshError> {
     let mut statements = Statements {
         text: MISSING.to_owned(),
@@ -30,7 +31,7 @@ pub fn checked(bytes: &[u8], with_normals: bool) -> Result<String, MeshError> {
 
 struct Statements {
     text: String,
-    // Numbers of statements so far.
+    // Number of statements so far.
     positions: usize,
     uvs: usize,
     normals: usize,
@@ -39,7 +40,7 @@ struct Statements {
 
 impl Statements {
     fn line(&mut self, line: &[u8]) -> Result<(), String> {
-        // Names of groups and materials may be in any encoding; numbers are ASCII.
+        // Names of groups and materials may have any encoding; numbers are ASCII.
         let line = String::from_utf8_lossy(line);
         let words = line.split_ascii_whitespace();
         let mut words = words.take_while(|word| !word.starts_with('#'));
@@ -50,7 +51,7 @@ impl Statements {
             }
             Some("vt") => {
                 self.uvs += 1;
-                // The second number is 0 if there is one only.
+                // The second number is optional and defaults to 0.
                 self.numbers("vt", 2, words.chain(["0"]))
             }
             Some("vn") => {
@@ -62,7 +63,8 @@ impl Statements {
         }
     }
 
-    /// A statement of the first `count` words: weights and colours behind them do not matter.
+    /// Writes a statement with the first `count` numbers. Further ones, weights and colours, are
+    /// ignored.
     fn numbers<'a>(
         &mut self,
         keyword: &str,
@@ -96,32 +98,35 @@ impl Statements {
         self.text.push('\n');
         match count {
             3.. => Ok(()),
-            _ => Err(format!("a face needs three corners, and this has {count}")),
+            _ => Err(format!(
+                "a face needs three corners, but this one has {count}"
+            )),
         }
     }
 
-    /// Indices, from 1 and behind [`MISSING`], for `position`, `position/uv`, `position//normal` or
-    /// `position/uv/normal`.
+    /// The indices, counted from 1 and after [`MISSING`], in `position`, `position/uv`,
+    /// `position//normal` or `position/uv/normal`.
     fn corner(&self, word: &str) -> Result<[usize; 3], String> {
         let mut parts = word.split('/');
         let mut next = |what: &str, count: usize| match parts.next() {
             None | Some("") => Ok(None),
             Some(text) => index(text, count).map(Some).ok_or_else(|| {
-                format!("`{text}` in `{word}` is none of the {count} {what} above this line")
+                format!("`{text}` in `{word}` is none of the {count} {what} before this line")
             }),
         };
         let position = next("positions", self.positions)?;
         let uv = next("texture coordinates", self.uvs)?;
         let normal = next("normals", self.normals)?.filter(|_| self.with_normals);
-        let behind_missing = |index: Option<usize>| index.map_or(1, |i| i + 1);
+        let after_missing = |index: Option<usize>| index.map_or(1, |i| i + 1);
         match (position, parts.next()) {
-            (Some(position), None) => Ok([position, behind_missing(uv), behind_missing(normal)]),
+            (Some(position), None) => Ok([position, after_missing(uv), after_missing(normal)]),
             _ => Err(format!("`{word}` is not a corner of a face")),
         }
     }
 }
 
-/// An index from 1, for one from 1, or from -1 for the last that is known yet.
+/// Converts an index to one that counts from 1. Negative indices count backwards from the last
+/// element so far, which is -1.
 fn index(text: &str, count: usize) -> Option<usize> {
     let index = match text.parse::<isize>().ok()? {
         i if i < 0 => count.checked_sub(i.unsigned_abs())? + 1,

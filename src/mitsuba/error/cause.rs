@@ -1,0 +1,270 @@
+//! The causes of loading errors.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::suggestion::{listed, suggestion};
+use crate::film::ReadImageError;
+use crate::mitsuba::mesh::MeshError;
+use crate::mitsuba::source::Place;
+
+/// Why a scene cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum Cause {
+    /// A file is missing or cannot be read.
+    #[error("cannot read {}: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        error: io::Error,
+    },
+    /// A scene file that exceeds the size limit.
+    #[error("{}: the file has {bytes} bytes, more than the {limit} allowed", path.display())]
+    FileTooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size in bytes.
+        bytes: u64,
+        /// The largest size allowed, in bytes.
+        limit: u64,
+    },
+    /// The text is not UTF-8.
+    #[error("the file is not valid UTF-8")]
+    NotUtf8,
+    /// Not well-formed XML.
+    #[error("broken XML: {0}")]
+    Xml(String),
+    /// `version` is missing or malformed.
+    #[error("the root element needs a version such as version=\"3.0.0\"{}", found(.0))]
+    Version(Option<String>),
+    /// The root element is not `<scene>`.
+    #[error("a scene file begins with <scene>, not <{0}>")]
+    NotAScene(String),
+    /// An element that is not allowed at its place.
+    #[error(
+        "unexpected element <{found}> in <{parent}>{}",
+        suggestion(found, known)
+    )]
+    UnknownElement {
+        /// Its name.
+        found: String,
+        /// The enclosing element.
+        parent: String,
+        /// The elements allowed there.
+        known: Vec<String>,
+    },
+    /// An attribute that the element does not have.
+    #[error("<{element}> has no attribute `{found}`{}", suggestion(found, known))]
+    UnknownAttribute {
+        /// The element.
+        element: String,
+        /// The attribute.
+        found: String,
+        /// The attributes it has.
+        known: Vec<String>,
+    },
+    /// A required attribute is missing.
+    #[error("<{element}> needs the attribute `{attribute}`")]
+    MissingAttribute {
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: String,
+    },
+    /// A type of shape, BSDF, ... that is not modelled.
+    #[error("unknown {kind} type `{found}`{}", suggestion(found, known))]
+    UnknownPlugin {
+        /// The name of its element.
+        kind: String,
+        /// Its type.
+        found: String,
+        /// The known types.
+        known: Vec<String>,
+    },
+    /// A parameter that is not modelled.
+    #[error("{owner} has no parameter `{found}`{}", suggestion(found, known))]
+    UnknownParameter {
+        /// The object.
+        owner: String,
+        /// The parameter.
+        found: String,
+        /// The known parameters.
+        known: Vec<String>,
+    },
+    /// A nested object that its owner does not accept.
+    #[error("{owner} does not accept {child}{}", listed(known))]
+    UnexpectedChild {
+        /// The enclosing object.
+        owner: String,
+        /// The nested object.
+        child: String,
+        /// The known parameters.
+        known: Vec<String>,
+    },
+    /// A required parameter is missing.
+    #[error("{owner} needs {parameter}")]
+    MissingParameter {
+        /// The object.
+        owner: String,
+        /// The parameter.
+        parameter: String,
+    },
+    /// A parameter is given twice.
+    #[error("`{name}` is given twice; first at {first}")]
+    DuplicateParameter {
+        /// The parameter.
+        name: String,
+        /// Where it is given for the first time.
+        first: Place,
+    },
+    /// A parameter has the wrong type.
+    #[error("`{name}` must be {expected}, not {found}")]
+    WrongType {
+        /// The parameter.
+        name: String,
+        /// The expected type.
+        expected: String,
+        /// The actual type.
+        found: String,
+    },
+    /// Text that cannot be parsed as a value.
+    #[error("`{text}` is not {expected}")]
+    Malformed {
+        /// The text.
+        text: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// A name outside a closed set.
+    #[error("unknown {what} `{found}`{}", suggestion(found, known))]
+    UnknownName {
+        /// The kind of thing it names.
+        what: String,
+        /// The name.
+        found: String,
+        /// The known names.
+        known: Vec<String>,
+    },
+    /// A value outside its range.
+    #[error("`{name}` is {found}; it must be {range}")]
+    OutOfRange {
+        /// The parameter.
+        name: String,
+        /// Its value.
+        found: String,
+        /// The allowed range.
+        range: String,
+    },
+    /// A feature of Mitsuba that Metrolight does not model.
+    #[error("not modelled: {0}")]
+    NotModelled(String),
+    /// Parameters or objects that contradict each other.
+    #[error("{0}")]
+    Conflict(String),
+    /// A `$variable` without a value.
+    #[error(
+        "`${found}` has no value: give one with <default> above this place or with \
+         -D {found}=VALUE{}",
+        suggestion(found, known)
+    )]
+    UndefinedVariable {
+        /// Its name.
+        found: String,
+        /// The known variables.
+        known: Vec<String>,
+    },
+    /// An attribute is too long after substitution.
+    #[error("after substitution of its $variables the text is longer than {0} bytes")]
+    SubstitutionTooLong(usize),
+    /// All attributes together are too long after substitution.
+    #[error("after substitution of its $variables the scene is longer than {0} bytes")]
+    SubstitutionTooMuch(usize),
+    /// A reference to an id that does not exist.
+    #[error("no object has the id `{found}`{}", suggestion(found, known))]
+    MissingReference {
+        /// The id.
+        found: String,
+        /// The known ids.
+        known: Vec<String>,
+    },
+    /// An id given twice.
+    #[error("the id `{id}` is already in use at {first}; ids must be unique")]
+    DuplicateId {
+        /// The id.
+        id: String,
+        /// The first object with this id.
+        first: Place,
+    },
+    /// Objects that contain each other.
+    #[error("circular reference: {0}")]
+    ReferenceCycle(String),
+    /// Files that include each other.
+    #[error("circular include: {} includes itself", .0.display())]
+    IncludeCycle(PathBuf),
+    /// Too many files are included.
+    #[error("more than {0} files are included")]
+    TooManyIncludes(usize),
+    /// Elements, references or includes are nested too deeply.
+    #[error("nested more than {0} levels deep")]
+    NestedTooDeep(usize),
+    /// A mesh file cannot be used.
+    #[error("{}{}: {}", path.display(), error.position(), error)]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: MeshError,
+    },
+    /// An image file cannot be used.
+    #[error("{}: {error}", path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: ReadImageError,
+    },
+    /// A pixel of an image is not a valid reflectance or radiance.
+    #[error(
+        "{}: pixel ({}, {}) is ({}, {}, {}); values must be {range}",
+        path.display(), pixel[0], pixel[1], value[0], value[1], value[2]
+    )]
+    ImageValue {
+        /// The file.
+        path: PathBuf,
+        /// Column and row, from 0 at the top left.
+        pixel: [usize; 2],
+        /// Its value.
+        value: [f32; 3],
+        /// The allowed range.
+        range: &'static str,
+    },
+    /// The scene has no sensor.
+    #[error("the scene has no sensor: add <sensor type=\"perspective\">")]
+    NoSensor,
+    /// The scene has no emitter.
+    #[error(
+        "the scene has no emitter: add an area, point, directional, constant or envmap emitter"
+    )]
+    NoEmitter,
+    /// A transform without an inverse.
+    #[error("the transform of {0} is singular: it maps space to a plane, a line or a point")]
+    SingularTransform(String),
+}
+
+impl Cause {
+    /// The vector `name` is zero and has no direction.
+    pub(in crate::mitsuba) fn zero_vector(name: &str) -> Self {
+        Cause::OutOfRange {
+            name: name.to_owned(),
+            found: "zero".into(),
+            range: "a vector with a direction".into(),
+        }
+    }
+}
+
+fn found(version: &Option<String>) -> String {
+    version
+        .as_ref()
+        .map_or(String::new(), |text| format!(", not \"{text}\""))
+}

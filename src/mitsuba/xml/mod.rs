@@ -1,0 +1,22 @@
+//! The XML layer: from scene files to objects with typed parameters. It knows the elements of the
+//! format, includes, `$variables`, ids and references, and the names of version 0.x, but no plugin.
+
+mod attributes;
+mod document;
+mod element;
+mod ids;
+mod nesting;
+mod object;
+mod parameter;
+mod property;
+mod reader;
+mod search_path;
+mod substitution;
+mod transform;
+mod tree;
+mod upgrade;
+pub mod value;
+
+pub use object::{Object, Tag};
+pub use property::{Property, Value};
+pub use tree::Tree;
