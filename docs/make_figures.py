@@ -1,11 +1,11 @@
-"""Makes the tables and charts of docs/ from what the tests have measured: see docs/prove.sh.
+"""Makes the tables and charts of docs/ from what the tests measured: see docs/prove.sh.
 
     python3 docs/make_figures.py            # prints the tables
     pip install -r docs/requirements.txt
     python3 docs/make_figures.py --write    # writes them, and charts, into docs/
 
-Every row that a test recorded stands in target/figures/TABLE.jsonl. A table goes into the document
-between the lines `<!-- TABLE -->` and `<!-- end -->`; charts go to docs/images/.
+The rows that the tests recorded are in target/figures/TABLE.jsonl. Each table is written into the document
+between the lines `<!-- TABLE -->` and `<!-- end -->`, and the charts into docs/images/.
 """
 
 import json
@@ -34,34 +34,34 @@ def rows(table):
 
 
 def markdown(header, cells):
-    """A Markdown table; cells hold no line breaks and no bars."""
+    """A Markdown table; line breaks and bars in cells are replaced or escaped."""
     clean = [[str(cell).replace("|", "\\|").replace("\n", " ") for cell in row] for row in cells]
     lines = [header, ["---"] * len(header), *clean]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def insert(document, name, text):
-    """Replaces what stands between the marks of `name` in a document."""
+    """Replaces the text between the marks of `name` in a document."""
     path = HERE / document
     old = path.read_text(encoding="utf-8")
     mark = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- end -->)", re.DOTALL)
     new, count = mark.subn(lambda match: f"{match[1]}\n{text}\n\n{match[2]}", old)
     if count != 1:
-        raise SystemExit(f"{path}: one mark <!-- {name} --> is needed, {count} are there")
+        raise SystemExit(f"{path}: one mark <!-- {name} --> is required, found {count}")
     path.write_text(new, encoding="utf-8")
 
 
 def accuracy():
-    """The tables of docs/accuracy.md, by oracle."""
+    """The tables of docs/accuracy.md, one per oracle (source of expected values)."""
     by_oracle = {}
     for row in rows("accuracy"):
         by_oracle.setdefault(row["oracle"], []).append(row)
     tables = {}
     for oracle, found in sorted(by_oracle.items()):
-        # The tests ran at the same time: their order says nothing.
+        # The tests ran concurrently, so the order of their rows is arbitrary.
         found.sort(key=lambda row: row["case"])
         cells = [(row["case"], row["found"], row["demanded"]) for row in found]
-        tables[oracle] = markdown(["case", "found", "demanded"], cells)
+        tables[oracle] = markdown(["case", "measured", "criterion"], cells)
     return tables
 
 
@@ -74,7 +74,7 @@ def stability():
 
 
 def sweeps():
-    """Charts of error, and of the light that is found, against what shrinks."""
+    """Charts of the error, and of the fraction of light that is found, against the parameter of each sweep."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -84,19 +84,19 @@ def sweeps():
     found = rows("sweeps")
     for sweep, (title, label) in SWEEPS.items():
         figure, (error, share) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
-        mine = [row for row in found if row["sweep"] == sweep]
-        smallest = min(row["parameter"] for row in mine if row["parameter"] > 0)
+        of_sweep = [row for row in found if row["sweep"] == sweep]
+        smallest = min(row["parameter"] for row in of_sweep if row["parameter"] > 0)
         for method, colour in COLOURS.items():
             points = sorted(
                 (row["parameter"] or smallest / 10, row["relative_mse"], row["found"], row["found_error"])
-                for row in mine
+                for row in of_sweep
                 if row["integrator"] == method
             )
             x, relative_mse, light, light_error = zip(*points)
             error.loglog(x, relative_mse, "o-", color=colour, label=method, markersize=3)
             share.errorbar(x, light, light_error, fmt="o-", color=colour, label=method, markersize=3)
         share.set_xscale("log")
-        share.set_ylim(0, max(1.5, min(3, max(row["found"] for row in mine) * 1.1)))
+        share.set_ylim(0, max(1.5, min(3, max(row["found"] for row in of_sweep) * 1.1)))
         share.axhline(1, color="grey", linewidth=0.8)
         error.set_ylabel("relMSE at 64 samples per pixel")
         share.set_ylabel("mean of the image / reference")

@@ -1,9 +1,11 @@
-"""Measures the choices that docs/mutations.md talks about, and writes its tables and chart.
+"""Measures the choices that docs/mutations.md discusses, and writes its tables and chart.
 
     python3 docs/mutations.py --metrolight target/release/metrolight --output out/mutations --write
 
-For every scene: a reference by mmlt, then `metrolight converge --sweep` for every choice, two scenes at a time on
-one thread each. `--from` makes tables and chart of the files of an earlier run. Needs docs/requirements.txt.
+For every scene it renders a reference by mmlt and runs `metrolight converge --sweep` for every choice, two scenes at
+a time on one thread each. `--from` makes the tables and the chart from the files of an earlier run. Requires the
+packages in docs/requirements.txt. The text and the captions of docs/mutations.md, which state the length and the number
+of the runs, are written by hand: update them after a run with other settings.
 """
 
 import argparse
@@ -39,7 +41,7 @@ SWEEPS = {
 
 
 def measure(program, scene, seconds, repeats, output):
-    """Renders all that is measured of a scene into `output`."""
+    """Renders the reference and all sweeps of one scene into `output`."""
     folder = output / scene
     folder.mkdir(parents=True, exist_ok=True)
     common = [program, "-q", "--threads", "1", "--size", SCENES[scene]]
@@ -62,7 +64,7 @@ def measure(program, scene, seconds, repeats, output):
 
 
 def errors(output):
-    """errors[sweep][value][scene]: the relMSE at the end, and that without the worst 0.1% of the pixels."""
+    """errors[sweep][value][scene]: the final relMSE over all pixels, and without the worst 0.1% of the pixels."""
     found = {}
     for scene in SCENES:
         for name, values in SWEEPS.items():
@@ -75,7 +77,7 @@ def errors(output):
 
 
 def table(of_values):
-    """Scenes downwards, values to the right, relMSE with that without the worst 0.1% in parentheses."""
+    """One row per scene, one column per value: relMSE, in parentheses without the worst 0.1% of the pixels."""
     lines = ["| scene | " + " | ".join(f"`{value}`" for value in of_values) + " |"]
     lines.append("| --- |" + " --: |" * len(of_values))
     for scene in SCENES:
@@ -85,7 +87,7 @@ def table(of_values):
 
 
 def chart(found, path):
-    """Each choice in a panel: error without the worst 0.1%, as a multiple of that with the first value."""
+    """One panel per choice: the error without the worst 0.1% of the pixels, relative to that of the first value."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -105,7 +107,7 @@ def chart(found, path):
         axis.set_xticks([0.25, 0.5, 1, 2], ["1/4", "1/2", "1", "2"])
         axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set_title(name)
-        axis.set_xlabel("times the error of the first")
+        axis.set_xlabel("relMSE relative to the first value")
         axis.grid(axis="y", alpha=0.3)
         axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8)
     axes[0].set_yticks(range(len(SCENES)), list(SCENES))
@@ -114,7 +116,7 @@ def chart(found, path):
 
 
 def write(found):
-    """Puts tables and chart into docs/."""
+    """Writes tables and chart into docs/."""
     page = ROOT / "docs/mutations.md"
     text = page.read_text()
     for name, of_values in found.items():
@@ -126,18 +128,18 @@ def write(found):
 
 
 def main():
-    """Measures, and prints or writes."""
+    """Measures the sweeps, or reads an earlier run, and prints or writes the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--metrolight", default=ROOT / "target/release/metrolight")
     parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("out/mutations"))
-    parser.add_argument("--seconds", type=float, default=20, help="of one render [default: 20]")
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--from", dest="measured", action="store_true", help="measure nothing")
-    parser.add_argument("--write", action="store_true", help="into docs/mutations.md and docs/images/")
+    parser.add_argument("--seconds", type=float, default=20, help="seconds of one render [default: 20]")
+    parser.add_argument("--repeats", type=int, default=3, help="seeds of each variant [default: 3]")
+    parser.add_argument("--from", dest="measured", action="store_true", help="measure nothing: use the files in OUTPUT")
+    parser.add_argument("--write", action="store_true", help="write into docs/mutations.md and docs/images/")
     args = parser.parse_args()
     if not args.measured:
         if not pathlib.Path(args.metrolight).is_file():
-            parser.error(f"{args.metrolight} is not there: build it with `cargo build --release`, or name it with --metrolight")
+            parser.error(f"{args.metrolight} does not exist: build it with `cargo build --release`, or give its path with --metrolight")
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             work = lambda scene: measure(args.metrolight, scene, args.seconds, args.repeats, args.output)
             list(pool.map(work, SCENES))

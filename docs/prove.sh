@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs the tests and prints what they measured, as the tables of docs/accuracy.md and docs/stability.md.
+# Runs the tests and prints the tables of docs/accuracy.md and docs/stability.md from what they measured.
 #
 #     docs/prove.sh [--all]
 #
-# With --all also the long tests; then tables and charts are written into docs/, which needs the
-# packages in docs/requirements.txt.
+# With --all the long tests are run as well, and the tables and charts are written into docs/. This requires
+# the packages in docs/requirements.txt.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

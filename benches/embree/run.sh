@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Rays per second of Metrolight and of Embree 3: the same triangles, the same rays, one thread, one run.
+# Rays per second of Metrolight and of Embree 3 for the same triangles and the same rays, on one thread in one run.
 #
 #     benches/embree/run.sh
 #
-# Needs Embree 3 with its headers (Debian: apt-get install libembree-dev) and a C++ compiler. On a machine
-# that does other work, keep it to one core: `taskset -c 1 benches/embree/run.sh`.
+# Requires Embree 3 with its headers (Debian: apt-get install libembree-dev) and a C++ compiler. On a machine with other
+# load, restrict it to one core: `taskset -c 1 benches/embree/run.sh`.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 mkdir -p target/embree

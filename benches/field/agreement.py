@@ -1,4 +1,4 @@
-"""Do all programs render the same picture? The scene cornell, where nothing is hard, says it."""
+"""Checks that all programs render the same image, on the scene cornell, whose light is easy to sample."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ SCENE = "cornell"
 TILES = 4
 SEEDS = range(500, 504)
 
-# What two right programs may differ in beyond their noise, of the image's mean and of a tile's: they end paths
-# differently, and light at the edges of the image differently.
+# Relative differences that two correct programs may have in addition to noise, in the mean of the image and of a tile:
+# they terminate paths differently and reconstruct the borders of the image differently.
 TOLERANCE_OF_MEAN, TOLERANCE_OF_TILE = 0.005, 0.02
 STANDARD_ERRORS = 5
 
@@ -19,8 +19,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def check(programs, setting, seconds):
-    """Renders with four seeds each and prints how means and tiles compare with those of the first program; a
-    difference beyond tolerance and five standard errors of four seeds is a `Problem`."""
+    """Renders four seeds with each program and prints how the means of the image and of its tiles compare with those of
+    the first program. A difference above the tolerance plus five standard errors of four seeds is a `Problem`."""
     measured = {program.label: _measure(program, setting, seconds) for program in programs}
     first = programs[0].label
     print(f"{'program':32} {'mean':>8} {'against ' + first:>24} {'worst tile':>12}")
@@ -37,11 +37,11 @@ def check(programs, setting, seconds):
         if abs(mean_off) > mean_allowed or abs(tile_off.flat[worst]) > tile_allowed.flat[worst]:
             wrong.append(label)
     if wrong:
-        raise Problem(f"{', '.join(wrong)}: not the picture that {first} renders of {SCENE}")
+        raise Problem(f"{', '.join(wrong)}: the image of {SCENE} differs from that of {first}")
 
 
 def _measure(program, setting, seconds):
-    """Mean luminance of the image, and of its tiles, for each seed."""
+    """Mean luminance of the image and of its tiles, for each seed."""
     means, tiles = [], []
     for seed in SEEDS:
         luminance = render(program, setting, seed, [seconds])[-1].image @ LUMINANCE
@@ -52,8 +52,8 @@ def _measure(program, setting, seconds):
 
 
 def _compare(values, expected, tolerance):
-    """Relative difference of means over seeds, and how large it may be. Four seeds may be alike by chance: no
-    tile is taken to be less noisy than tiles are on the average."""
+    """Relative difference of the means over the seeds, and the largest that is accepted. Four seeds can agree by chance:
+    the variance of a tile is taken to be at least the mean over all tiles."""
     truth = expected.mean(axis=0)
     variance = (values.var(axis=0, ddof=1) + expected.var(axis=0, ddof=1)) / len(SEEDS) / truth**2
     difference = values.mean(axis=0) / truth - 1

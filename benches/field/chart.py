@@ -1,4 +1,4 @@
-"""The chart of the results: error against time, a panel for each scene, a line for each program."""
+"""The chart of the results: error against time, one panel per scene, one line per program."""
 
 import matplotlib
 
@@ -13,10 +13,11 @@ COLUMNS = 4
 # Height in inches of the legend, below all panels.
 LEGEND = 1.0
 
-# Axes of less than this ratio have ticks at 2 and 5 too.
+# Axes whose limits have a ratio below this have ticks at 2 and 5 as well.
 NARROW = 100
 
-# Hue tells the program (Wong 2011, "Color blindness", Nature Methods 8), dash and mark the method.
+# The hue identifies the program (colours of Wong 2011, "Color blindness", Nature Methods 8), the line style and the
+# marker identify the method.
 STYLES = {
     "Metrolight path": ("#56b4e9", ":", "v"),
     "Metrolight bdpt": ("#0072b2", "--", "s"),
@@ -33,7 +34,7 @@ OTHER_STYLE = ("#999999", "-", "x")
 
 
 def draw(rows, paths):
-    """Writes one chart to all `paths`, each in the format of its suffix."""
+    """Writes the chart to every path in `paths`, in the format given by the suffix."""
     scenes = in_order(row.scene for row in rows)
     labels = in_order(row.label for row in rows)
     columns = min(COLUMNS, len(scenes))
@@ -58,7 +59,7 @@ def _look(label):
 
 
 def _panel(axis, rows, scene):
-    """The line is the mean over seeds; the band reaches from the least to the greatest."""
+    """The line is the mean over the seeds; the band extends from the minimum to the maximum."""
     for label in in_order(row.label for row in rows):
         own = [row for row in rows if row.label == label]
         groups = [[row for row in own if row.budget == budget] for budget in sorted({row.budget for row in own})]

@@ -1,7 +1,7 @@
-"""Writes a scene as LuxCore's properties: a text of lines `name = value ...`.
+"""Writes a scene as LuxCore properties: lines `name = value ...`.
 
-What LuxCore does was read in its sources (src/slg) and checked by rendering; where it matters, the file
-is named.
+The conventions of LuxCore were taken from its sources (src/slg) and checked by rendering; where it matters, the source
+file is named.
 """
 
 import math
@@ -25,7 +25,7 @@ def write(scene, directory):
         lines += [
             f'{light}.type = "point"',
             f"{light}.position = {_numbers(position)}",
-            # LuxCore's is the flux into all directions.
+            # LuxCore's value is the flux over all directions.
             *_light_color(light, [4 * math.pi * value for value in intensity]),
         ]
     if scene.sky is not None:
@@ -44,8 +44,8 @@ def _light_color(light, color):
 
 
 def _camera(camera):
-    """The window of the screen is one row of pixels lower than the film: the camera's rays go through
-    `height - y - 1` where y is continuous (cameras/perspective.cpp), which is a row too high."""
+    """The screen window is one row of pixels lower than the film. LuxCore's camera rays pass through `height - y - 1` where
+    y is continuous (cameras/perspective.cpp), which is one row too high."""
     _, up, forward, position = camera.to_world[:3].T
     half_height = camera.height / camera.width
     row = 2 * half_height / camera.height
@@ -86,7 +86,7 @@ def _material(name, surface):
             f"{key}.emission = {_numbers(surface.radiance)}",
             f"{key}.emission.gain = 1 1 1",
             f"{key}.emission.power = 0",
-            # By default a lamp of more than 256 triangles is left to chance.
+            # By default, next event estimation is disabled for lamps of more than 256 triangles.
             f'{key}.emission.directlightsampling.type = "ENABLED"',
         ]
     return lines
@@ -96,7 +96,7 @@ def _diffuse(name, reflectance):
     key = f"scene.materials.{name}.kd"
     if not isinstance(reflectance, Checkerboard):
         return [f"{key} = {_numbers(reflectance)}"]
-    # LuxCore's squares have side 1, Mitsuba's 1/2.
+    # The squares have side 1 in LuxCore and 1/2 in Mitsuba.
     texture = f"scene.textures.{name}"
     scale = [2 * period for period in reflectance.periods]
     return [
@@ -119,5 +119,5 @@ def _glass(key, material):
 
 
 def _roughness(key, material):
-    """Schlick's distribution with the product of both roughnesses r is GGX with alpha^2 = r."""
+    """Schlick's distribution, with r the product of both roughnesses, equals GGX with alpha^2 = r."""
     return [f"{key}.uroughness = {material.alpha!r}", f"{key}.vroughness = {material.alpha!r}"]

@@ -1,6 +1,6 @@
 """Renders one image with LuxCore: `python luxcore_worker.py JOB.json`; see worker.py for the job.
 
-A process of its own, for pyluxcore keeps threads that do not end, and is left by `os._exit`.
+This runs in a separate process, because pyluxcore has threads that do not terminate; the process ends with `os._exit`.
 """
 
 import os
@@ -12,23 +12,22 @@ import pyluxcore
 
 from worker import FrameWriter, read_job
 
-# Length of paths from the eye and from lights. BIDIRCPU limits the two subpaths, not the path they make
-# (engines/bidircpu/bidircputhread.cpp), so that no limit on path length can be shared with other programs:
-# with roulette this one is beyond what matters, without it is the greatest max_depth of the scenes, and paths of
-# up to 13 edges are complete.
+# Maximum length of camera and light subpaths. BIDIRCPU limits the two subpaths, not the whole path
+# (engines/bidircpu/bidircputhread.cpp), so no limit on path length is common to all programs. With roulette the limit is
+# so large that it has no effect. Without roulette it is the largest max_depth of the scenes, and paths of up to 13 edges
+# are complete.
 MAX_DEPTH, MAX_DEPTH_WITHOUT_ROULETTE = 32, 12
 
 # LuxCore's default.
 ROULETTE_DEPTH = 3
 
-# Threads have seeds counted up from that of the render, which must not be those of the next one.
+# Threads use consecutive seeds starting from that of the render; the seeds of different renders must not overlap.
 SEED_STEP = 1024
 
 
 def configuration(job):
-    """No clamping, no filter, linear values; samplers are as LuxCore has them by default, but SOBOL is not
-    adaptive. Lights are chosen by power: by default a lamp of many triangles would be chosen more often than
-    its power is worth."""
+    """No clamping, no filter, linear values. The samplers have LuxCore's defaults, except that SOBOL is not adaptive. Lights
+    are chosen by power; by default a lamp of many triangles would be chosen more often than its power justifies."""
     depth = MAX_DEPTH if job.roulette else MAX_DEPTH_WITHOUT_ROULETTE
     return {
         "renderengine.type": job.engine,
@@ -67,14 +66,14 @@ def start_session(job):
 
 
 def top_row_first(pixels, width):
-    """LuxCore's first row is the lowest."""
+    """Reverses the order of the rows: LuxCore stores the bottom row first."""
     row = 3 * width
     rows = [pixels[start : start + row] for start in range(0, len(pixels), row)]
     return b"".join(values.tobytes() for values in reversed(rows))
 
 
 def render(job):
-    """The clock starts when LuxCore has loaded the scene and built its acceleration structures."""
+    """Renders the job. The clock starts after LuxCore has loaded the scene and built its acceleration structures."""
     pyluxcore.Init()
     session = start_session(job)
     start = time.perf_counter()
@@ -93,7 +92,7 @@ def render(job):
 def main():
     try:
         render(read_job(sys.argv[1]))
-    except Exception as error:  # whatever it is, the process must end here
+    except Exception as error:  # the process must terminate on any error
         print(f"LuxCore: {error}", file=sys.stderr, flush=True)
         os._exit(1)
     os._exit(0)

@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Mesh:
-    """`normals` (of unit length, for smooth shading) and `uvs` have a row for each vertex, or are None."""
+    """`normals` (of unit length, for smooth shading) and `uvs` have one row per vertex, or are None."""
 
     positions: np.ndarray
     faces: np.ndarray
@@ -16,7 +16,7 @@ class Mesh:
     uvs: np.ndarray | None = None
 
     def transformed(self, matrix):
-        """By an affine map of positive determinant."""
+        """Transforms the mesh by an affine map with positive determinant."""
         linear, offset = matrix[:3, :3], matrix[:3, 3]
         normals = self.normals
         if normals is not None:
@@ -35,11 +35,11 @@ class Mesh:
         return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
 
     def flat_with_area(self, area):
-        """Without smooth normals, scaled about the origin to an area."""
+        """Removes smooth normals and scales the mesh about the origin to the given area."""
         return replace(self.scaled(np.sqrt(area / self.area())), normals=None)
 
     def write_ply(self, path):
-        """Binary PLY with the names of properties that Mitsuba, LuxCore and Metrolight share."""
+        """Writes a binary PLY file with the property names that Mitsuba, LuxCore and Metrolight share."""
         columns = {"x": self.positions[:, 0], "y": self.positions[:, 1], "z": self.positions[:, 2]}
         if self.normals is not None:
             columns |= {f"n{axis}": self.normals[:, i] for i, axis in enumerate("xyz")}
@@ -59,14 +59,14 @@ class Mesh:
 
 
 def rectangle():
-    """From -1 to 1 in x and y, its normal along z: Mitsuba's."""
+    """Mitsuba's rectangle: from -1 to 1 in x and y, with the normal along z."""
     uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     positions = np.column_stack([2 * uvs - 1, np.zeros(4)])
     return Mesh(positions, np.array([[0, 1, 2], [0, 2, 3]]), uvs=uvs)
 
 
 def cube():
-    """From -1 to 1 in all axes, normals outward."""
+    """The cube from -1 to 1 in all axes, with outward normals."""
     faces = []
     for axis in range(3):
         turn = np.roll(np.eye(4)[:3, :3], axis, axis=0)
@@ -83,8 +83,7 @@ def cube():
 
 
 def sphere(rows):
-    """The unit sphere about the origin: `rows` rows from pole to pole, twice as many around, normals
-    outward."""
+    """The unit sphere about the origin, with `rows` rows from pole to pole, twice as many columns, and outward normals."""
     columns = 2 * rows
     theta, phi = np.meshgrid(
         np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, columns, endpoint=False), indexing="ij"
@@ -105,7 +104,7 @@ def sphere(rows):
 
 
 def from_file(path):
-    """A PLY file as Mitsuba reads it."""
+    """Reads a PLY file with Mitsuba."""
     params = mi.traverse(mi.load_dict({"type": "ply", "filename": str(path)}))
 
     def rows(name, width):

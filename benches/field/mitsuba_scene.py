@@ -2,12 +2,12 @@
 
 from scene import Checkerboard
 
-# The end of the integrator's paths is left to Russian roulette: see docs/performance.md.
+# Paths are terminated by Russian roulette only: see docs/performance.md.
 UNLIMITED = -1
 
 
 def write(scene, directory):
-    """Writes `scene.xml` and the meshes `0.ply`, `1.ply`, ... into `directory`, which is there."""
+    """Writes `scene.xml` and the meshes `0.ply`, `1.ply`, ... into `directory`, which must exist."""
     for index, surface in enumerate(scene.surfaces):
         surface.mesh.write_ply(directory / f"{index}.ply")
     lines = [

@@ -1,7 +1,7 @@
 """Renders one image with Mitsuba's `path`: `python mitsuba_worker.py JOB.json`; see worker.py for the job.
 
-Mitsuba has no limit in time, so the image is the mean of passes, each with a seed of its own, until
-the time is over. The first pass compiles the kernel and is not counted.
+Mitsuba has no time limit, so the image is the mean of passes with different seeds, rendered until the time is over. The
+first pass compiles the kernel and is not counted.
 """
 
 import os
@@ -15,30 +15,30 @@ import numpy as np
 
 from worker import FrameWriter, read_job
 
-# A pass lasts about this part of the time to the first frame, so that the frames are on time.
-PASS_PART = 0.1
+# A pass takes about this fraction of the time to the first frame, so that the frames are close to their nominal times.
+PASS_FRACTION = 0.1
 MAX_PASS_SAMPLES = 256
 CALIBRATION_SAMPLES = 2
 
-# Seeds of different renders are so far apart.
+# Distance between the seeds of different renders.
 PASSES_PER_SEED = 1 << 16
 
 
 def find_llvm():
-    """Tells Dr.Jit of Debian's library, which it does not find by its name."""
+    """Gives Dr.Jit the path of Debian's LLVM library, which it does not find by itself."""
     found = sorted(Path("/usr/lib").glob("*/libLLVM.so.*"))
     if found:
         os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(found[-1]))
 
 
 def choose_variant(threads):
-    """`llvm_ad_rgb` if there is an LLVM to compile with, else the slower `scalar_rgb`."""
+    """Selects `llvm_ad_rgb` if LLVM is available, else the slower `scalar_rgb`."""
     find_llvm()
     dr.set_thread_count(threads)
     if dr.has_backend(dr.JitBackend.LLVM):
         mi.set_variant("llvm_ad_rgb")
     else:
-        print("Mitsuba renders as scalar_rgb, for there is no LLVM: slower than it could")
+        print("LLVM is not available: Mitsuba renders with the slower variant scalar_rgb")
         mi.set_variant("scalar_rgb")
 
 
@@ -54,7 +54,7 @@ def render(job):
     start = time.perf_counter()
     one_pass(CALIBRATION_SAMPLES, first_seed)
     seconds_per_sample = (time.perf_counter() - start) / CALIBRATION_SAMPLES
-    samples = int(np.clip(PASS_PART * job.times[0] / seconds_per_sample, 1, MAX_PASS_SAMPLES))
+    samples = int(np.clip(PASS_FRACTION * job.times[0] / seconds_per_sample, 1, MAX_PASS_SAMPLES))
     one_pass(samples, first_seed)
 
     frames = FrameWriter(job.output)

@@ -1,2 +1,2 @@
 class Problem(Exception):
-    """Something that ends the experiment and is told without a traceback: what is wrong, and where."""
+    """An error that ends the experiment and is reported without a traceback: its cause and its location."""

@@ -1,4 +1,4 @@
-"""The programs of the field, and how each renders a scene."""
+"""The programs that are compared, and how each renders a scene."""
 
 import json
 import os
@@ -16,13 +16,13 @@ from worker import Job
 
 HERE = Path(__file__).resolve().parent
 
-# Loading and compiling may take so many seconds beyond those of the render.
-PATIENCE = 120
+# Seconds allowed for loading and compiling, in addition to the render time.
+TIMEOUT_MARGIN = 120
 
 
 @dataclass(frozen=True)
 class Program:
-    """`integrator` and `sampler` are the program's own names; Metrolight and Mitsuba choose no sampler."""
+    """`integrator` and `sampler` are the program's own names; `sampler` is empty for Metrolight and Mitsuba."""
 
     name: str
     integrator: str
@@ -35,8 +35,8 @@ class Program:
 
 @dataclass(frozen=True)
 class Frame:
-    """An image as it was after `seconds` of rendering, with `samples` samples (or mutations) per pixel:
-    height x width x 3, linear, the first row on top."""
+    """The image after `seconds` of rendering, with `samples` samples (or mutations) per pixel:
+    height x width x 3, linear, top row first."""
 
     seconds: float
     samples: float
@@ -45,7 +45,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Setting:
-    """What all programs share in one scene: its files, the size of the image, and the number of threads."""
+    """Settings common to all programs in one scene: its files, the size of the image, and the number of threads."""
 
     directory: Path
     width: int
@@ -60,10 +60,9 @@ LUXCORE = [
     Program("LuxCore", "PATHCPU", "SOBOL"),
 ]
 
-# BIDIRCPU's weights take Russian roulette into account where vertices are joined and not where they are made
-# (LuxCore's engines/bidircpu/bidircputhread.cpp, ConnectVertices and Bounce), so that its images become too
-# bright, by 4 to 8% in the scene cornell. It goes without among those that should be right, and here with it, as
-# LuxCore's users know it.
+# BIDIRCPU's MIS weights include the roulette probability where vertices are connected but not where they are sampled
+# (LuxCore's engines/bidircpu/bidircputhread.cpp, ConnectVertices and Bounce). Its images are therefore too bright, by 4
+# to 8% in the scene cornell. LUXCORE renders without roulette, LUXCORE_BIASED with it, as is LuxCore's default.
 ROULETTE = "+roulette"
 LUXCORE_BIASED = [Program("LuxCore", "BIDIRCPU" + ROULETTE, sampler) for sampler in ("METROPOLIS", "SOBOL")]
 
@@ -75,7 +74,7 @@ def metrolight(integrators):
 
 
 def render(program, setting, seed, times):
-    """The frames of one seed at `times`, in seconds and rising order."""
+    """Renders one seed and returns its frames at `times`, in seconds and ascending order."""
     if program.name == "Metrolight":
         return [_metrolight_frame(program, setting, seed, seconds) for seconds in times]
     worker, scene = {
@@ -97,21 +96,21 @@ def render(program, setting, seed, times):
     )
     job_path = setting.directory / "job.json"
     job.write(job_path)
-    said = _run([sys.executable, str(HERE / worker), str(job_path)], program, times[-1])
-    if program.name == "Mitsuba" and said:
-        print(f"  {said.strip()}", flush=True)
+    output_text = _run([sys.executable, str(HERE / worker), str(job_path)], program, times[-1])
+    if program.name == "Mitsuba" and output_text:
+        print(f"  {output_text.strip()}", flush=True)
     return _read_frames(output, setting)
 
 
 def _run(command, program, seconds):
-    """What the command printed."""
+    """Runs the command and returns its standard output."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=seconds + PATIENCE, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=seconds + TIMEOUT_MARGIN, check=False)
     except subprocess.TimeoutExpired as error:
-        raise Problem(f"{program.label} did not end: {' '.join(command)}") from error
+        raise Problem(f"{program.label} did not terminate: {' '.join(command)}") from error
     if done.returncode != 0:
-        said = done.stderr.strip()[-2000:]
-        raise Problem(f"{program.label} ended with {done.returncode}: {' '.join(command)}\n{said}")
+        errors = done.stderr.strip()[-2000:]
+        raise Problem(f"{program.label} exited with code {done.returncode}: {' '.join(command)}\n{errors}")
     return done.stdout
 
 
@@ -126,19 +125,19 @@ def _read_frames(directory, setting):
 
 
 def _metrolight_frame(program, setting, seed, seconds):
-    """A render of its own: the command line keeps no image on the way."""
+    """A separate render for each time: the command line stores no intermediate images."""
     image, statistics = setting.directory / "frame.exr", setting.directory / "frame.json"
     command = [str(setting.metrolight), "render", str(setting.directory / "scene.xml")]
     command += ["--integrator", program.integrator, "--time", f"{seconds}", "--seed", str(seed)]
     command += ["--threads", str(setting.threads), "--quiet", "-o", str(image), "--stats", str(statistics)]
     _run(command, program, seconds)
-    figures = json.loads(statistics.read_text(encoding="utf-8"))
-    samples = figures.get("samples", figures.get("mutations", 0))
-    return Frame(figures["render_seconds"], samples / (setting.width * setting.height), read_exr(image))
+    values = json.loads(statistics.read_text(encoding="utf-8"))
+    samples = values.get("samples", values.get("mutations", 0))
+    return Frame(values["render_seconds"], samples / (setting.width * setting.height), read_exr(image))
 
 
 def read_exr(path):
-    # Mitsuba's reader waits for ever on a machine with one core, unless it has two threads.
+    # Mitsuba's reader deadlocks on a machine with one core unless it has at least two threads.
     dr.set_thread_count(max(2, os.cpu_count() or 1))
     mi.set_variant("scalar_rgb")
     bitmap = mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)

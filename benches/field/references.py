@@ -1,4 +1,4 @@
-"""The truth that images are measured against: long renders of several seeds, none of them a measured one."""
+"""The references: long renders with several seeds, none of which is used in the measurements."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -9,15 +9,15 @@ from errors import relative, summarise
 from problem import Problem
 from programs import read_exr, render
 
-# Seeds of references; measured ones are smaller.
+# Seeds of the references; those of the measurements are smaller.
 FIRST_SEED = 1000
 RENDERS = 4
 
 
 @dataclass(frozen=True)
 class Reference:
-    """`made_by` is a program's label; `error` is the relMSE that the image itself is expected to have,
-    without the worst 0.1% of its pixels, NaN if it is not known."""
+    """`made_by` is the label of a program; `error` is the expected relMSE of the reference itself, without the worst 0.1%
+    of its pixels, or NaN if it is not known."""
 
     image: np.ndarray
     made_by: str
@@ -25,14 +25,14 @@ class Reference:
 
 
 def find_or_make(name, directory, candidates, setting, seconds):
-    """The reference `name` of `directory`, an image NAME.npy or NAME.exr of the right size; made by the best of
-    the candidates, and kept there, if there is none."""
+    """Loads the reference `name` from `directory`, an image NAME.npy or NAME.exr of the right size. If there is none, the
+    best of the candidates renders it, and it is stored there."""
     image, about = directory / f"{name}.npy", directory / f"{name}.json"
     other = directory / f"{name}.exr"
     if image.exists() or other.exists():
         pixels = np.load(image) if image.exists() else read_exr(other)
         if pixels.shape != (setting.height, setting.width, 3):
-            raise Problem(f"the reference {name} in {directory} has another size than the scene: {pixels.shape}")
+            raise Problem(f"the reference {name} in {directory} does not have the size of the scene: {pixels.shape}")
         known = {"made_by": "given", "error": float("nan")}
         if about.exists():
             known = json.loads(about.read_text(encoding="utf-8"))
@@ -47,8 +47,9 @@ def find_or_make(name, directory, candidates, setting, seconds):
 
 
 def make(candidates, setting, seconds):
-    """Each candidate renders for `seconds` in all, and the one whose renders agree best with one another, in all
-    pixels, makes the reference: methods without bias, so that what differs between seeds is all their error."""
+    """Each candidate renders for `seconds` in total. The reference is the mean image of the candidate whose renders differ
+    least from one another over all pixels. The candidates are unbiased, so the differences between seeds are their
+    whole error."""
     best, least = None, np.inf
     for program in candidates:
         seeds = range(FIRST_SEED, FIRST_SEED + RENDERS)
@@ -57,7 +58,7 @@ def make(candidates, setting, seconds):
         variance_of_mean = images.var(axis=0, ddof=1, dtype=float) / RENDERS
         error = summarise(relative(variance_of_mean, mean))
         print(
-            f"  by {program.label}: mean {mean.mean():.5g}, own relMSE {error.relmse:.2g},"
+            f"  by {program.label}: mean {mean.mean():.5g}, relMSE of the reference itself {error.relmse:.2g},"
             f" {error.trimmed_tenth:.2g} without the worst 0.1%",
             flush=True,
         )

@@ -1,4 +1,4 @@
-"""The raw figures, one row for each image, in a CSV file that grows while the experiment runs."""
+"""The raw results, one row per image, in a CSV file to which rows are appended while the experiment runs."""
 
 import csv
 from dataclasses import asdict, dataclass, fields
@@ -8,8 +8,8 @@ from problem import Problem
 
 @dataclass(frozen=True)
 class Row:
-    """`budget` is the time an image was due at and `seconds` when it was taken; `samples` are per pixel.
-    Errors are those of errors.py; `mean` is over pixels and channels, in the scene's radiance."""
+    """`budget` is the nominal time of an image and `seconds` the actual time; `samples` are per pixel. The errors are
+    those of errors.py; `mean` is the mean over pixels and channels, in the scene's unit of radiance."""
 
     scene: str
     program: str
@@ -40,16 +40,15 @@ def read(path):
 
 
 def finished(rows, budgets):
-    """The renders that are there, as (scene, program, seed), of which no more have to be made; all must have been
-    kept at `budgets`."""
+    """The renders that are complete, as (scene, program, seed). All images must have been measured at `budgets`."""
     wrong = {row.budget for row in rows} - set(budgets)
     if wrong:
-        raise Problem(f"there are images after {sorted(wrong)} s, and these would be after {budgets} s")
+        raise Problem(f"the file has images after {sorted(wrong)} s, but this run measures them after {budgets} s")
     return {(row.scene, row.label, row.seed) for row in rows}
 
 
 def start(path):
-    """An empty table."""
+    """Writes an empty table."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerow(field.name for field in fields(Row))
 

@@ -1,19 +1,22 @@
-"""Metrolight beside LuxCore and Mitsuba 3: the same scenes, the same time, error against one truth.
+"""Compares Metrolight with LuxCore and Mitsuba 3: the same scenes, the same time, error against one reference.
 
     python benches/field/run.py                     # everything, into out/field
-    python benches/field/run.py --resume            # goes on where it was interrupted
+    python benches/field/run.py --resume            # continues an interrupted run
     python benches/field/run.py --from-csv out/field/field.csv --write
 
 The steps:
- 1. every scene is brought to common ground (scene.py) and written for each program;
- 2. all programs render cornell, and have to agree in its brightness and in that of its tiles;
- 3. long renders make the references, with seeds that are not measured;
- 4. for each seed, for each scene, every program renders in its turn, and the errors after a quarter, a half
-    and all of the time go into OUTPUT/field.csv;
- 5. a table, OUTPUT/field.md, and a chart, OUTPUT/field.svg and .png, are made of the CSV file.
+ 1. every scene is converted to the common subset (scene.py) and written for each program;
+ 2. all programs render cornell, and must agree in the brightness of the image and of its tiles;
+ 3. long renders make the references, with seeds that are not used in the measurements;
+ 4. for each seed and each scene, the programs render one after another, and the errors after a quarter, a half
+    and all of the time are written to OUTPUT/field.csv;
+ 5. a table, OUTPUT/field.md, and a chart, OUTPUT/field.svg and .png, are made from the CSV file.
 
-Loading a scene and compiling kernels is not counted as time of rendering. docs/performance.md says what is
-alike in the programs and what is not.
+The text of docs/performance.md around table and chart, which states the length and the number of the runs, is written by
+hand: update it after a run with other settings.
+
+Loading a scene and compiling kernels is not counted as render time. docs/performance.md states what is the same for
+all programs and what differs.
 """
 
 import argparse
@@ -30,8 +33,8 @@ DOCUMENT = REPOSITORY / "docs" / "performance.md"
 CHART = REPOSITORY / "docs" / "images" / "field.svg"
 TABLE = REPOSITORY / "docs" / "field.csv"
 
-# Images are kept after these parts of the time.
-PARTS = (0.25, 0.5, 1.0)
+# Images are measured after these fractions of the time.
+FRACTIONS = (0.25, 0.5, 1.0)
 
 
 def arguments():
@@ -54,31 +57,31 @@ def arguments():
         "--reference-integrators",
         type=_names,
         default=["bdpt", "mmlt"],
-        help="Metrolight's integrators that try to make references; the best is taken [default: bdpt,mmlt]",
+        help="Metrolight's integrators that render candidates for the reference; the best is used [default: bdpt,mmlt]",
     )
     parser.add_argument(
-        "--reference-seconds", type=float, default=240, help="time for each of them in each scene [default: 240]"
+        "--reference-seconds", type=float, default=240, help="time of each candidate in each scene [default: 240]"
     )
     parser.add_argument(
         "--references",
         type=Path,
         help="folder of references SCENE.npy or SCENE.exr of the right size, and for LuxCore in scenes with rough "
-        "materials SCENE-luxcore; what is missing is made [default: OUTPUT/references]",
+        "materials SCENE-luxcore; missing ones are rendered [default: OUTPUT/references]",
     )
     parser.add_argument(
         "--check-seconds",
         type=float,
         default=10,
-        help="time of each render of step 2; 0 leaves it out. In less than 5 LuxCore's Metropolis chain, one to a "
-        "thread, has not forgotten where it began, and the check fails [default: 10]",
+        help="time of each render of step 2; 0 skips it. In less than 5 seconds LuxCore's Metropolis chains, one per "
+        "thread, still depend on their start, and the check fails [default: 10]",
     )
     parser.add_argument(
         "--output", type=Path, default=REPOSITORY / "out" / "field", help="folder for all files [default: out/field]"
     )
-    parser.add_argument("--resume", action="store_true", help="keep what OUTPUT/field.csv has, render the rest")
-    parser.add_argument("--from-csv", type=Path, help="render nothing: table and chart of this file")
+    parser.add_argument("--resume", action="store_true", help="keep the rows of OUTPUT/field.csv and render the rest")
+    parser.add_argument("--from-csv", type=Path, help="render nothing: make table and chart from this file")
     parser.add_argument(
-        "--write", action="store_true", help="put table, chart and CSV into docs/ (performance.md, images/, field.csv)"
+        "--write", action="store_true", help="write table, chart and CSV into docs/ (performance.md, images/, field.csv)"
     )
     return parser.parse_args()
 
@@ -99,35 +102,35 @@ def main():
 
 
 def measure(options, table):
-    """Steps 1 to 4. Renderers are imported here, so that tables and charts need none."""
+    """Steps 1 to 4. The renderers are imported here, so that tables and charts do not require them."""
     import programs
     import results
     from agreement import SCENE, check
 
     if table.is_file() and not options.resume:
-        raise Problem(f"{table} is there: remove it, or go on with --resume")
+        raise Problem(f"{table} exists: remove it, or continue with --resume")
     binary = options.metrolight or build()
     if not binary.is_file():
-        raise Problem(f"there is no {binary}")
-    right = programs.metrolight(options.metrolight_integrators) + programs.LUXCORE + programs.MITSUBA
-    field = right + programs.LUXCORE_BIASED
+        raise Problem(f"{binary} does not exist")
+    unbiased = programs.metrolight(options.metrolight_integrators) + programs.LUXCORE + programs.MITSUBA
+    field = unbiased + programs.LUXCORE_BIASED
 
     settings = {name: prepare(name, options, binary) for name in dict.fromkeys([*options.scenes, SCENE])}
     if options.check_seconds > 0:
-        print(f"Do all render the same {SCENE}?", flush=True)
+        print(f"Do all programs render the same image of {SCENE}?", flush=True)
         reference_first = programs.metrolight(["bdpt"])
-        others = [program for program in right if program not in reference_first]
+        others = [program for program in unbiased if program not in reference_first]
         check(reference_first + others, settings[SCENE][0], options.check_seconds)
 
     if not table.is_file():
         results.start(table)
-    have = results.finished(results.read(table), budgets(options))
+    done = results.finished(results.read(table), budgets(options))
     references = {name: make_references(name, *settings[name], options) for name in options.scenes}
     for seed in range(options.seeds):
         for name in options.scenes:
             setting, rough = settings[name]
             for program in field:
-                if (name, program.label, seed) in have:
+                if (name, program.label, seed) in done:
                     continue
                 own = rough and program.name == "LuxCore"
                 reference = references[name]["luxcore" if own else "all"]
@@ -143,8 +146,8 @@ def measure(options, table):
 
 
 def budgets(options):
-    """Seconds after which images are kept."""
-    return [part * options.seconds for part in PARTS]
+    """Seconds after which images are measured."""
+    return [fraction * options.seconds for fraction in FRACTIONS]
 
 
 def build():
@@ -153,7 +156,7 @@ def build():
 
 
 def prepare(name, options, binary):
-    """Writes a scene for all programs; the setting, and whether LuxCore's materials differ from the others'."""
+    """Writes a scene for all programs; returns the setting, and whether LuxCore's materials differ from the others'."""
     import luxcore_scene
     import mitsuba_scene
     import scene
@@ -170,7 +173,7 @@ def prepare(name, options, binary):
 
 
 def make_references(name, setting, rough, options):
-    """By Metrolight for all; by LuxCore for itself where its materials are not those of the others."""
+    """Metrolight renders the common reference; LuxCore renders its own where its materials differ from the others'."""
     import programs
     from references import find_or_make
 
@@ -219,7 +222,7 @@ def measure_one(name, program, setting, seed, options, reference):
 
 
 def present(table, options):
-    """Step 5."""
+    """Step 5: table and chart."""
     import chart
     import results
     import tables
@@ -244,6 +247,6 @@ if __name__ == "__main__":
     try:
         main()
     except KeyboardInterrupt:
-        sys.exit("interrupted; --resume goes on")
+        sys.exit("interrupted; continue with --resume")
     except Problem as problem:
         sys.exit(f"error: {problem}")

@@ -1,16 +1,16 @@
-"""A scene as all three programs can render it alike: triangles, five materials, three kinds of light.
+"""A scene in the common subset of the three programs: triangles, five materials, three kinds of light.
 
-`load` reads one of Metrolight's scenes by Mitsuba's own parser and brings it to common ground:
+`load` reads one of Metrolight's scenes with Mitsuba's parser and converts it to this subset:
 
-- Every shape becomes triangles in world space; no program has a sphere of its own. Spheres of a material
-  that is seen are fine and have smooth normals, spheres that shine are coarse, flat, and have the
-  area of the true sphere, so that they have its power.
-- Plastics become diffuse, of the same diffuse reflectance: LuxCore has another model of them.
-- A smooth conductor becomes a mirror with its reflectance at normal incidence: LuxCore has no other.
+- Every shape becomes triangles in world space; analytic spheres are not used. Spheres that do not emit light are
+  finely tessellated and have smooth normals. Spheres that emit light are coarse and flat-shaded, with the area of the
+  true sphere, so that they have its power.
+- Plastics become diffuse with the same diffuse reflectance: LuxCore has a different plastic model.
+- A smooth conductor becomes a mirror with its reflectance at normal incidence: LuxCore has no smooth conductor.
 - Rough conductors and rough glass have the GGX distribution, which all three have.
 
-Lengths are in the scene's unit, radiance and intensity in the scene's (W/m^2/sr, W/sr if it is physical),
-colours linear RGB.
+Lengths, radiance and intensity are in the units of the scene (W/m^2/sr and W/sr if it is physical), colours in linear
+RGB.
 """
 
 from dataclasses import dataclass, field
@@ -22,11 +22,11 @@ import numpy as np
 from meshes import Mesh, cube, from_file, rectangle, sphere
 from problem import Problem
 
-# What Mitsuba assumes where a scene says nothing.
+# Mitsuba's default values.
 DEFAULT_REFLECTANCE = (0.5, 0.5, 0.5)
 DEFAULT_ROUGHNESS = 0.1
 
-# Rows of triangles from pole to pole.
+# Number of rows of triangles from pole to pole.
 SPHERE_ROWS = 64
 LAMP_ROWS = 12
 
@@ -59,7 +59,7 @@ class Material:
 class Surface:
     mesh: Mesh
     material: Material
-    # Radiance on the side of the normal, None if it does not shine.
+    # Radiance on the side of the normal, None if it does not emit light.
     radiance: tuple | None
 
 
@@ -90,7 +90,7 @@ class Scene:
 
 
 def load(path, longer_side):
-    """The scene file `path`, its film made `longer_side` pixels long in its own proportions."""
+    """Loads the scene file `path`, with the film scaled such that its longer side has `longer_side` pixels."""
     path = Path(path)
     mi.set_variant("scalar_rgb")
     state = mi.parser.parse_file(mi.parser.ParserConfig("scalar_rgb"), str(path))
@@ -99,7 +99,7 @@ def load(path, longer_side):
 
 
 class _Reader:
-    """Walks the nodes that Mitsuba's parser makes of a file."""
+    """Traverses the nodes that Mitsuba's parser makes from a file."""
 
     def __init__(self, state, path):
         self.nodes = state.nodes
@@ -111,7 +111,7 @@ class _Reader:
         kinds = [(node, str(node.type).rsplit(".", 1)[-1]) for node in nodes]
         cameras = [node.props for node, kind in kinds if kind == "Sensor"]
         if len(cameras) != 1:
-            raise self._error(f"one sensor is needed, {len(cameras)} are there")
+            raise self._error(f"one sensor is required, found {len(cameras)}")
         scene = Scene(name, self._camera(cameras[0], longer_side))
         for node, kind in kinds:
             if kind == "Shape":
@@ -124,7 +124,7 @@ class _Reader:
         return Problem(f"{self.path}: {problem}")
 
     def _child(self, value):
-        """The node that a property names, None if it names none."""
+        """The node to which a property refers, None if it refers to none."""
         if isinstance(value, mi.Properties.ResolvedReference):
             return self.nodes[value.index()]
         if isinstance(value, mi.Properties.Reference):
@@ -162,7 +162,7 @@ class _Reader:
             raise self._error(f"shape {props.id()!r} has no bsdf")
         return Surface(self._mesh(props, radiance is not None), material, radiance)
 
-    def _mesh(self, props, shines):
+    def _mesh(self, props, emits):
         kind = props.plugin_name()
         to_world = np.eye(4)
         if "to_world" in props:
@@ -176,9 +176,9 @@ class _Reader:
         if kind == "ply":
             return from_file(self.path.parent / props["filename"]).transformed(to_world)
         if kind == "sphere":
-            ball = sphere(LAMP_ROWS).flat_with_area(4 * np.pi) if shines else sphere(SPHERE_ROWS)
+            ball = sphere(LAMP_ROWS).flat_with_area(4 * np.pi) if emits else sphere(SPHERE_ROWS)
             return ball.scaled(props["radius"]).moved(np.array(props["center"])).transformed(to_world)
-        raise self._error(f"shape {kind!r} is not on common ground")
+        raise self._error(f"shape {kind!r} is not in the common subset")
 
     def _material(self, props, two_sided=False):
         kind = props.plugin_name()
@@ -195,12 +195,12 @@ class _Reader:
             return Material("rough_glass", int_ior=inside, ext_ior=outside, alpha=_alpha(props))
         if kind in ("conductor", "roughconductor"):
             if "specular_reflectance" in props and set(_triple(props["specular_reflectance"])) != {1.0}:
-                raise self._error("specular_reflectance other than 1 is not on common ground")
+                raise self._error("specular_reflectance other than 1 is not in the common subset")
             eta, k = _metal(props["material"])
             if kind == "conductor":
                 return Material("mirror", _normal_reflectance(eta, k), two_sided)
             return Material("rough_metal", None, two_sided, alpha=_alpha(props), eta=eta, k=k)
-        raise self._error(f"bsdf {kind!r} is not on common ground")
+        raise self._error(f"bsdf {kind!r} is not in the common subset")
 
     def _reflectance(self, props, name):
         if name not in props:
@@ -210,7 +210,7 @@ class _Reader:
             return _triple(props[name])
         texture = node.props
         if texture.plugin_name() != "checkerboard":
-            raise self._error(f"texture {texture.plugin_name()!r} is not on common ground")
+            raise self._error(f"texture {texture.plugin_name()!r} is not in the common subset")
         matrix = np.array(texture["to_uv"].matrix)
         periods = (float(matrix[0, 0]), float(matrix[1, 1]))
         return Checkerboard(_triple(texture["color0"]), _triple(texture["color1"]), periods)
@@ -222,7 +222,7 @@ class _Reader:
         elif kind == "constant":
             scene.sky = _triple(props["radiance"])
         else:
-            raise self._error(f"emitter {kind!r} is not on common ground")
+            raise self._error(f"emitter {kind!r} is not in the common subset")
 
 
 def _triple(value):
@@ -233,7 +233,7 @@ def _alpha(props):
     return props.get("alpha", DEFAULT_ROUGHNESS)
 
 
-# Of the names that Mitsuba has for indices of refraction those that scenes use (its ior.h).
+# Mitsuba's named indices of refraction (its ior.h), as far as the scenes use them.
 _IOR = {"air": 1.000277, "water": 1.3330}
 
 
@@ -243,12 +243,12 @@ def _ior(props, name):
 
 
 def _metal(name):
-    """Mitsuba's eta and k of a metal, in R, G and B."""
+    """Mitsuba's eta and k of a metal in R, G and B."""
     bsdf = mi.load_dict({"type": "roughconductor", "material": name})
     params = mi.traverse(bsdf)
     return _triple(params["eta.value"]), _triple(params["k.value"])
 
 
 def _normal_reflectance(eta, k):
-    """Fresnel's formula at normal incidence."""
+    """The Fresnel reflectance at normal incidence."""
     return tuple(((n - 1) ** 2 + x**2) / ((n + 1) ** 2 + x**2) for n, x in zip(eta, k))

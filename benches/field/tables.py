@@ -8,7 +8,7 @@ from problem import Problem
 
 MARK = re.compile(r"(<!-- field:begin -->\n).*?(<!-- field:end -->)", re.DOTALL)
 
-# A mean that is farther off than this is light not seen, or another material, and is pointed out.
+# A larger relative difference of the mean indicates missing light or a different material; it is printed in bold.
 BRIGHTNESS_TOLERANCE = 0.03
 
 HEADER = [
@@ -28,7 +28,7 @@ def in_order(values):
 
 
 def final_rows(rows, scene, label):
-    """Of one program in one scene the rows of the whole time, one for each seed."""
+    """The rows of one program in one scene after the whole time, one per seed."""
     own = [row for row in rows if row.scene == scene and row.label == label]
     last = max((row.budget for row in own), default=0)
     return [row for row in own if row.budget == last]
@@ -39,7 +39,7 @@ def mean_of(rows, name):
 
 
 def markdown(rows):
-    """One table of all scenes, and what its last column is compared with."""
+    """One table of all scenes, followed by the reference and the target of the last column for each scene."""
     lines = [f"| {' | '.join(HEADER)} |", f"|{' --- |' * len(HEADER)}"]
     references = []
     for scene in in_order(row.scene for row in rows):
@@ -52,8 +52,8 @@ def markdown(rows):
 
 
 def best_rival(rows, scene):
-    """The label of the program with the least error in the end, of those that are not Metrolight and are
-    measured against the reference of all."""
+    """The label of the program with the lowest final error among those other than Metrolight that are measured
+    against the common reference."""
     shared = {row.reference for row in rows if row.scene == scene and row.program == "Metrolight"}
     others = in_order(
         row.label
@@ -80,21 +80,21 @@ def _cells(rows, scene, label, rival):
 
 
 def seconds_to_equal_error(rows, scene, label, rival):
-    """When the mean over seeds of the error without the worst 0.1% falls to the rival's at the end, by straight
-    lines between the measured times, both axes logarithmic."""
+    """The time at which the mean over seeds of the error without the worst 0.1% reaches the final error of `rival`,
+    interpolated linearly between the measured times on logarithmic axes."""
     target = mean_of(final_rows(rows, scene, rival), "relmse_trimmed_tenth")
     curve = error_curve(rows, scene, label, "relmse_trimmed_tenth")
     if curve[0][1] <= target:
         return f"< {curve[0][0]:.3g}"
     for (t0, e0), (t1, e1) in zip(curve, curve[1:]):
         if e1 <= target:
-            part = math.log(e0 / target) / math.log(e0 / e1)
-            return f"{t0 * (t1 / t0) ** part:.3g}"
+            fraction = math.log(e0 / target) / math.log(e0 / e1)
+            return f"{t0 * (t1 / t0) ** fraction:.3g}"
     return f"> {curve[-1][0]:.3g}"
 
 
 def error_curve(rows, scene, label, name):
-    """Pairs of mean seconds and mean error over seeds."""
+    """Pairs of mean seconds and mean error over the seeds, one per measured time."""
     own = [row for row in rows if row.scene == scene and row.label == label]
     budgets = sorted({row.budget for row in own})
     groups = [[row for row in own if row.budget == budget] for budget in budgets]
@@ -103,15 +103,15 @@ def error_curve(rows, scene, label, name):
 
 def _references(rows, scene, rival):
     made = {row.reference: row.reference_error for row in rows if row.scene == scene}.items()
-    described = " and ".join(f"{label} (own relMSE {error:.2g})" for label, error in made)
-    compared = f"; equal error is that of {rival}" if rival else ""
+    described = " and ".join(f"{label} (relMSE of the reference itself {error:.2g})" for label, error in made)
+    compared = f"; equal error refers to {rival}" if rival else ""
     return f"- `{scene}`: reference by {described}{compared}."
 
 
 def insert(document, text):
-    """Puts `text` between the marks of a document."""
+    """Writes `text` between the marks of a document."""
     old = document.read_text(encoding="utf-8")
     new, count = MARK.subn(lambda match: f"{match[1]}\n{text}\n\n{match[2]}", old)
     if count != 1:
-        raise Problem(f"{document}: one pair of marks <!-- field:begin --> and <!-- field:end --> is needed")
+        raise Problem(f"{document}: one pair of marks <!-- field:begin --> and <!-- field:end --> is required")
     document.write_text(new, encoding="utf-8")

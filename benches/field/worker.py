@@ -1,6 +1,6 @@
-"""What the programs that run in a process of their own are told, and what they give back.
+"""Input and output of the programs that run in a separate process.
 
-No numpy here: pyluxcore brings an allocator that does not live with it in one process.
+This file does not use numpy: the allocator of pyluxcore is incompatible with it in one process.
 """
 
 import json
@@ -10,8 +10,9 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Job:
-    """One render. `times` are the seconds after which the image is kept, in rising order; the last ends the
-    render. `engine` and `sampler` are LuxCore's names, empty for Mitsuba, and `roulette` is its Russian roulette."""
+    """One render. `times` are the seconds after which the image is stored, in ascending order; the last one ends the
+    render. `engine` and `sampler` are LuxCore's names, empty for Mitsuba; `roulette` enables LuxCore's Russian
+    roulette."""
 
     scene: str
     width: int
@@ -33,8 +34,8 @@ def read_job(path):
 
 
 class FrameWriter:
-    """Writes frame i to `output/i.f32`, RGB in 32-bit floats with the first row on top, and what is known of
-    it to `output/frames.json`."""
+    """Writes frame i to `output/i.f32`, RGB in 32-bit floats with the top row first, and its time and number of samples
+    to `output/frames.json`."""
 
     def __init__(self, output):
         self.directory = Path(output)
@@ -42,7 +43,7 @@ class FrameWriter:
         self.frames = []
 
     def add(self, seconds, samples, pixels):
-        """`pixels` are the bytes of the image after `seconds` of rendering, with `samples` samples per
+        """Stores a frame. `pixels` are the bytes of the image after `seconds` of rendering, with `samples` samples per
         pixel."""
         (self.directory / f"{len(self.frames)}.f32").write_bytes(pixels)
         self.frames.append({"seconds": seconds, "samples": samples})

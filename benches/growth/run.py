@@ -1,9 +1,9 @@
-"""Time and memory of a render as its work grows: triangles, pixels, depth, lights, chains.
+"""Time and memory of a render against the size of the problem: triangles, pixels, depth, lights, chains.
 
     python benches/growth/run.py --metrolight target/release/metrolight --write
 
-Every row is one render of a generated scene, on one thread; seconds are those of the render's own clock, without
-loading, and memory is the greatest resident size of the process. Needs matplotlib (benches/field/requirements.txt).
+Every row is one render of a generated scene on one thread. Seconds are measured by the render itself, without loading,
+and memory is the peak resident size of the process. Requires matplotlib (benches/field/requirements.txt).
 """
 
 import argparse
@@ -21,7 +21,7 @@ BEGIN, END = "<!-- growth:begin -->", "<!-- growth:end -->"
 
 
 def grid_ply(path, triangles):
-    """Writes a hilly square of about so many triangles as a binary PLY file."""
+    """Writes a hilly square of about `triangles` triangles as a binary PLY file and returns their exact number."""
     side = max(1, round(math.sqrt(triangles / 2)))
     with open(path, "wb") as file:
         vertices = (side + 1) ** 2
@@ -49,7 +49,8 @@ def grid_ply(path, triangles):
 
 
 def scene(folder, triangles=1000, lights=1, depth=8):
-    """Writes a scene: a hilly floor in an open white room, lit by so many small lamps; returns its path."""
+    """Writes a hilly floor in an open white room with `lights` small lamps; returns the path of the scene and the
+    number of triangles of the floor."""
     count = grid_ply(folder / "floor.ply", triangles)
     lamps = []
     side = math.ceil(math.sqrt(lights))
@@ -81,12 +82,12 @@ def scene(folder, triangles=1000, lights=1, depth=8):
 
 
 def render(program, path, integrator, options):
-    """Renders and returns the figures of the render, with its greatest resident size in MB."""
+    """Renders and returns the statistics of the render, with its peak resident size in MB."""
     with tempfile.TemporaryDirectory() as out:
         stats = pathlib.Path(out) / "stats.json"
         command = [program, "render", path, "--integrator", integrator, "--threads", "1", "-q"]
         command += ["-o", pathlib.Path(out) / "image.exr", "--stats", stats, *options]
-        # A child of its own measures: the greatest size of all children would be that of the largest so far.
+        # A separate process measures the peak: RUSAGE_CHILDREN gives the maximum over all children so far.
         measure = (
             "import resource, subprocess, sys; code = subprocess.call(sys.argv[1:]); "
             "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss); sys.exit(code)"
@@ -95,13 +96,13 @@ def render(program, path, integrator, options):
         done = subprocess.run(run, capture_output=True, text=True)
         if done.returncode:
             sys.exit(f"{' '.join(map(str, command))}\n{done.stderr}")
-        figures = json.loads(stats.read_text())
-        figures["megabytes"] = int(done.stdout.split()[-1]) / 1024
-        return figures
+        statistics = json.loads(stats.read_text())
+        statistics["megabytes"] = int(done.stdout.split()[-1]) / 1024
+        return statistics
 
 
 def experiments(largest):
-    """(what grows, value, arguments of the scene, integrator, options of the render)."""
+    """Yields (parameter, value, arguments of the scene, integrator, options of the render)."""
     spp = ["--spp", "8"]
     for n in (10**3, 10**4, 10**5, 10**6, 10**7):
         if n <= largest:
@@ -119,7 +120,7 @@ def experiments(largest):
 
 
 def measure(program, largest, table):
-    """Renders all experiments and writes a CSV file as it goes."""
+    """Renders all experiments and appends each result to a CSV file."""
     with open(table, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["grows", "value", "integrator", "microseconds_per_sample", "rays_per_sample", "megabytes"])
@@ -128,15 +129,15 @@ def measure(program, largest, table):
                 path, count = scene(pathlib.Path(folder), **arguments)
                 if grows == "triangles":
                     value = count
-                figures = render(program, path, integrator, options)
-            rays = figures["closest_hit_rays"] + figures["shadow_rays"]
+                statistics = render(program, path, integrator, options)
+            rays = statistics["closest_hit_rays"] + statistics["shadow_rays"]
             row = [
                 grows,
                 value,
                 integrator,
-                f"{1e6 / figures['samples_per_second']:.3f}",
-                f"{rays / figures['samples']:.2f}",
-                f"{figures['megabytes']:.1f}",
+                f"{1e6 / statistics['samples_per_second']:.3f}",
+                f"{rays / statistics['samples']:.2f}",
+                f"{statistics['megabytes']:.1f}",
             ]
             writer.writerow(row)
             file.flush()
@@ -144,7 +145,7 @@ def measure(program, largest, table):
 
 
 def rows_of(table):
-    """The rows of the CSV file, by what grows."""
+    """The rows of the CSV file, grouped by the parameter that grows."""
     groups = {}
     with open(table, newline="") as file:
         for row in csv.DictReader(file):
@@ -153,7 +154,7 @@ def rows_of(table):
 
 
 def markdown(groups):
-    """One table for each thing that grows."""
+    """One table per parameter."""
     lines = []
     for grows, rows in groups.items():
         lines += ["", f"| {grows} | µs per sample | rays per sample | MB |", "| --: | --: | --: | --: |"]
@@ -166,7 +167,7 @@ def markdown(groups):
 
 
 def chart(groups, path):
-    """Time and memory against what grows, one panel each, on logarithmic axes."""
+    """Time and memory against each parameter, one column of panels per parameter, on logarithmic axes."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -195,17 +196,17 @@ def chart(groups, path):
 
 
 def main():
-    """Measures, and writes tables and charts."""
+    """Measures, or reads the CSV file, and prints or writes tables and chart."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--metrolight", default=ROOT / "target/release/metrolight", help="the binary")
-    parser.add_argument("--largest", type=int, default=10**7, help="most triangles and lights [default: 10000000]")
+    parser.add_argument("--largest", type=int, default=10**7, help="maximum number of triangles and of lights [default: 10000000]")
     parser.add_argument("--output", default="growth.csv", help="the CSV file [default: growth.csv]")
-    parser.add_argument("--from-csv", action="store_true", help="measure nothing: use the CSV file as it is")
-    parser.add_argument("--write", action="store_true", help="put tables and chart into docs/performance.md")
+    parser.add_argument("--from-csv", action="store_true", help="measure nothing: use the existing CSV file")
+    parser.add_argument("--write", action="store_true", help="write the tables into docs/performance.md and the chart into docs/images/")
     args = parser.parse_args()
     if not args.from_csv:
         if not pathlib.Path(args.metrolight).is_file():
-            parser.error(f"{args.metrolight} is not there: build it with `cargo build --release`, or name it with --metrolight")
+            parser.error(f"{args.metrolight} does not exist: build it with `cargo build --release`, or give its path with --metrolight")
         measure(args.metrolight, args.largest, args.output)
     groups = rows_of(args.output)
     tables = markdown(groups)
