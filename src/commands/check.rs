@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use metrolight::analysis::lost_light;
 use metrolight::film::Filter;
 use metrolight::integrators::Sampler;
 use metrolight::scene::{Material, Scene};
 
-use super::figures::quantity;
-use super::render::{opening, print_warnings};
+use super::numbers::quantity;
 use super::source::SceneArgs;
-use super::{Outcome, say};
+use super::{Outcome, say, warn};
 
 /// Load a scene, say what is in it, and warn of light that cannot be found
 #[derive(clap::Args)]
@@ -31,10 +29,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     for (what, text) in describe(&opened.scene) {
         say(format_args!("  {what:<10} {text}"));
     }
-    say(format_args!("  {:<10} {}", "time", opening(&opened)));
-    print_warnings(&opened.warnings);
-    let lost = lost_light(&opened.scene, Sampler::Bidirectional);
-    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
+    say(format_args!("  {:<10} {}", "time", opened.times()));
+    warn(&opened.warnings);
+    warn(opened.lost_light(Sampler::Bidirectional));
     Ok(Outcome::Done)
 }
 

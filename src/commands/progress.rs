@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use metrolight::render::Observer;
 
-use super::figures::duration;
+use super::numbers::duration;
 use super::{interrupt, tell};
 
 /// Time between two lines where there is no terminal, after the first of a phase.

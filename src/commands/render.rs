@@ -1,20 +1,17 @@
 //! `metrolight render`: a scene file becomes an image.
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use metrolight::analysis::lost_light;
 use metrolight::markov::SmallStep;
-use metrolight::render::{
-    Budget, DivisionSettings, Integrator, Settings, Statistics, choose, render,
-};
+use metrolight::render::{Budget, DivisionSettings, Integrator, Settings, choose, render};
 use miette::{IntoDiagnostic, bail};
 
+use super::names::{DirectName, IntegratorName};
 use super::output::Outputs;
-use super::progress::Progress;
-use super::source::{Opened, SceneArgs};
-use super::{Outcome, figures, interrupt, replay, say, tell, values};
+use super::run_args::RunArgs;
+use super::source::SceneArgs;
+use super::{Outcome, interrupt, replay, say, statistics, tell, values, warn, wording};
 
 /// Render a scene
 ///
@@ -64,10 +61,6 @@ pub struct Args {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
-
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = values::threads)]
-    threads: Option<usize>,
 
     #[arg(
         long,
@@ -120,72 +113,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 
-    /// Print nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-/// The integrators' names, each with a word about what it is good for.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum IntegratorName {
-    /// Path tracing: for light that reaches the camera in few bounces from large emitters
-    Path,
-    /// Light tracing: for caustics that are seen directly
-    Light,
-    /// Bidirectional path tracing
-    Bdpt,
-    /// Primary sample space Metropolis over bidirectional path tracing
-    Pssmlt,
-    /// Multiplexed Metropolis beside plain bidirectional path tracing
-    Mmlt,
-}
-
-/// Who renders direct light.
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub enum DirectName {
-    /// Plain samples alone
-    Separate,
-    /// Plain samples, and chains where it is bright
-    Joint,
-}
-
-impl std::fmt::Display for DirectName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Separate => "separate",
-            Self::Joint => "joint",
-        })
-    }
-}
-
-impl From<Integrator> for IntegratorName {
-    fn from(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::Path => Self::Path,
-            Integrator::Light => Self::Light,
-            Integrator::Bdpt => Self::Bdpt,
-            Integrator::Pssmlt => Self::Pssmlt,
-            Integrator::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl From<IntegratorName> for Integrator {
-    fn from(name: IntegratorName) -> Self {
-        match name {
-            IntegratorName::Path => Self::Path,
-            IntegratorName::Light => Self::Light,
-            IntegratorName::Bdpt => Self::Bdpt,
-            IntegratorName::Pssmlt => Self::Pssmlt,
-            IntegratorName::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl std::fmt::Display for IntegratorName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(Integrator::from(*self).name())
-    }
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 fn spp_help() -> String {
@@ -222,9 +151,6 @@ fn chains_help() -> String {
     format!("pssmlt: number of Markov chains [default: {default}]")
 }
 
-/// Contributions that were not finite: so many command lines are printed that show one.
-const MOST_REPLAYS: usize = 8;
-
 /// Loads, renders, writes and sums up.
 pub fn run(args: Args) -> miette::Result<Outcome> {
     let mut settings = args.settings()?;
@@ -234,22 +160,22 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     // Load.
     let opened = args.scene.open()?;
     let mut warnings = opened.warnings.clone();
-    print_warnings(&warnings);
-    if !args.quiet {
-        tell(opening(&opened));
+    warn(&warnings);
+    if !args.run.quiet {
+        tell(opened.times());
     }
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
-    // Whatever a pilot may choose has the same sampler.
+    let progress = args.run.progress();
+    // All integrators that the pilot may choose have the same sampler.
     let lost = lost_light(&opened.scene, settings.integrator.sampler());
     if args.integrator.is_none() {
         let choice = choose(&opened.scene, &settings, &lost, &progress).into_diagnostic()?;
         settings.integrator = choice.integrator;
-        if !args.quiet {
-            tell(&choice);
+        if !args.run.quiet {
+            tell(wording::choice(&choice));
         }
     }
-    let lost: Vec<String> = lost.iter().map(ToString::to_string).collect();
-    print_warnings(&lost);
+    let lost: Vec<String> = lost.iter().map(wording::lost_light).collect();
+    warn(&lost);
     warnings.extend(lost);
     if interrupt::requested() {
         tell("interrupted before rendering began: nothing is written");
@@ -259,19 +185,20 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     // Render.
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    print_warnings(&rendering.warnings);
-    print_replays(&args.scene, &settings, &rendering.statistics);
-    warnings.extend_from_slice(&rendering.warnings);
+    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
+    warn(&limits);
+    warnings.extend(limits);
+    replay::print_commands(&args.scene, &settings, &rendering.statistics);
 
     // Write.
     if rendering.interrupted && rendering.statistics.samples == 0 {
         tell("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
     }
-    let report = figures::json(&args.scene, &opened, &settings, &rendering, &warnings);
+    let report = statistics::json(&args.scene, &opened, &settings, &rendering, &warnings);
     outputs.write(&rendering, &report.into_diagnostic()?)?;
-    if !args.quiet {
-        say(figures::summary(&outputs, &rendering));
+    if !args.run.quiet {
+        say(statistics::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
         tell("interrupted: the image holds what had been rendered by then");
@@ -297,7 +224,7 @@ impl Args {
             error: self.error,
             target_error: self.target_error,
             seed: self.seed,
-            threads: self.threads,
+            threads: self.run.threads,
             large_step_probability: self
                 .large_step_probability
                 .unwrap_or(defaults.large_step_probability),
@@ -338,30 +265,5 @@ impl Args {
             bail!("--target-error needs two chains at least: the error is seen from their spread");
         }
         Ok(())
-    }
-}
-
-/// How long the scene took to open.
-pub fn opening(opened: &Opened) -> String {
-    format!(
-        "loaded in {}, acceleration structure built in {}",
-        figures::duration(opened.load_seconds),
-        figures::duration(opened.build_seconds),
-    )
-}
-
-/// Prints command lines that show contributions which were not finite.
-pub fn print_replays(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
-    let origins = &statistics.non_finite_origins;
-    for &origin in origins.iter().take(MOST_REPLAYS) {
-        let command = replay::command(scene, settings, origin);
-        tell(format_args!("not finite: {command}"));
-    }
-}
-
-/// Prints warnings on stderr, whether quiet or not.
-pub fn print_warnings(warnings: &[String]) {
-    for warning in warnings {
-        tell(format_args!("warning: {warning}"));
     }
 }

@@ -5,14 +5,14 @@ use metrolight::integrators::Technique;
 use metrolight::markov::SmallStep;
 use metrolight::math::color::is_light;
 use metrolight::path::Vertex;
-use metrolight::render::{Origin, Replay, Settings};
+use metrolight::render::{Origin, Replay, Settings, Statistics};
 use metrolight::scene::Scene;
 use metrolight::technique::Connection;
 use miette::bail;
 
-use super::render::{IntegratorName, print_warnings};
+use super::names::IntegratorName;
 use super::source::SceneArgs;
-use super::{Outcome, say, values};
+use super::{Outcome, say, tell, values, warn};
 
 /// Make one sample of a render again and show its paths
 ///
@@ -56,8 +56,21 @@ pub struct Args {
     small_step: Option<SmallStep>,
 }
 
-/// The command line that shows the sample of a render that came from `origin`.
-pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
+/// Maximum number of command lines that a render prints.
+const MAX_COMMANDS: usize = 8;
+
+/// Prints command lines that replay the first samples of a render that were not finite.
+pub fn print_commands(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
+    for &origin in statistics.non_finite_origins.iter().take(MAX_COMMANDS) {
+        tell(format_args!(
+            "not finite: {}",
+            command(scene, settings, origin)
+        ));
+    }
+}
+
+/// The command line that replays the sample of a render that came from `origin`.
+fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
     let mut words = format!(
         "metrolight replay {} --integrator {} --seed {} --at {origin}",
         scene.words(),
@@ -80,7 +93,7 @@ pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String
 /// Prints subpaths and connections on stdout.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
+    warn(&opened.warnings);
     let usual = Settings::new(args.integrator.into());
     let settings = Settings {
         seed: args.seed,

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use metrolight::analysis::trapped_light;
+use metrolight::analysis::{lost_light, trapped_light};
+use metrolight::integrators::Sampler;
 use metrolight::mitsuba::{self, Overrides};
 use metrolight::scene::Scene;
 use miette::IntoDiagnostic;
 
-use super::values;
+use super::numbers::duration;
+use super::{values, wording};
 
 /// Which scene, and what shall be otherwise than its file says.
 #[derive(clap::Args)]
@@ -47,6 +49,23 @@ pub struct Opened {
     pub build_seconds: f64,
 }
 
+impl Opened {
+    /// How long opening the scene took.
+    pub fn times(&self) -> String {
+        format!(
+            "loaded in {}, acceleration structure built in {}",
+            duration(self.load_seconds),
+            duration(self.build_seconds),
+        )
+    }
+
+    /// Warnings of light that `sampler` cannot find, or only rarely.
+    pub fn lost_light(&self, sampler: Sampler) -> Vec<String> {
+        let lost = lost_light(&self.scene, sampler);
+        lost.iter().map(wording::lost_light).collect()
+    }
+}
+
 impl SceneArgs {
     /// Loads and builds the scene.
     pub fn open(&self) -> miette::Result<Opened> {
@@ -65,7 +84,7 @@ impl SceneArgs {
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
         let build_seconds = start.elapsed().as_secs_f64();
-        warnings.extend(trapped_light(&scene).map(|trapped| trapped.to_string()));
+        warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
         Ok(Opened {
             scene,
             warnings,

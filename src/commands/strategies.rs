@@ -1,9 +1,7 @@
 //! `metrolight strategies`: each technique (s, t) of bidirectional path tracing as an image.
 
-use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
-use metrolight::analysis::lost_light;
 use metrolight::film::{Image, check_writable, srgb_bytes, write_exr};
 use metrolight::integrators::{Sampler, Technique};
 use metrolight::math::{Rgb, luminance};
@@ -15,11 +13,11 @@ use metrolight::render::{
 use miette::{IntoDiagnostic, bail};
 use serde_json::{Value, json};
 
-use super::progress::Progress;
-use super::render::{opening, print_replays, print_warnings};
+use super::numbers::{duration, quantity};
+use super::run_args::RunArgs;
 use super::source::SceneArgs;
 use super::values::MaxDepth;
-use super::{Outcome, figures, interrupt, output, say, tell, values};
+use super::{Outcome, interrupt, output, replay, say, tell, values, warn, wording};
 
 /// Show each technique (s, t) of bidirectional path tracing alone
 ///
@@ -62,13 +60,8 @@ pub struct Args {
     #[arg(long, value_name = "STOPS", value_parser = values::stops)]
     exposure: Option<f64>,
 
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = values::threads)]
-    threads: Option<usize>,
-
-    /// Print nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Longest path if the user names none: 19 techniques, which fit on a sheet.
@@ -128,26 +121,26 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(args.spp),
         seed: args.seed,
-        threads: args.threads,
+        threads: args.run.threads,
         ..Settings::new(Integrator::Bdpt)
     };
     let edges = check(&opened.scene).into_diagnostic()?;
     prepare(&args.output, edges)?;
     interrupt::listen()?;
     let mut warnings = opened.warnings.clone();
-    let lost = lost_light(&opened.scene, Sampler::Bidirectional);
-    warnings.extend(lost.iter().map(ToString::to_string));
-    print_warnings(&warnings);
-    if !args.quiet {
-        tell(opening(&opened));
+    warnings.extend(opened.lost_light(Sampler::Bidirectional));
+    warn(&warnings);
+    if !args.run.quiet {
+        tell(opened.times());
     }
 
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    let progress = args.run.progress();
     let found = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    print_warnings(&found.warnings);
-    print_replays(&args.scene, &settings, &found.statistics);
-    warnings.extend_from_slice(&found.warnings);
+    let limits: Vec<String> = found.warnings.iter().map(wording::warning).collect();
+    warn(&limits);
+    warnings.extend(limits);
+    replay::print_commands(&args.scene, &settings, &found.statistics);
     if found.interrupted && found.statistics.samples == 0 {
         tell("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
@@ -155,7 +148,7 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
 
     let shares = Shares::of(&found);
     write(&args, edges, &found, &shares, &warnings)?;
-    if !args.quiet {
+    if !args.run.quiet {
         say(summary(&args, &found, &shares));
     }
     if found.interrupted {
@@ -367,8 +360,8 @@ fn summary(args: &Args, found: &Strategies, shares: &Shares) -> String {
             "wrote {directory}/weighted.png, unweighted.png, {JSON} and {} images: {width} x {height} \
              pixels, {} samples in {}",
             2 * found.images.len(),
-            figures::quantity(statistics.samples as f64),
-            figures::duration(statistics.render_seconds),
+            quantity(statistics.samples as f64),
+            duration(statistics.render_seconds),
         ),
         "share of the image's light by technique (s,t):".into(),
     ];

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::recorder::{Measured, Recorder, Schedule};
 use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
-use crate::render::{Moment, Observer, Settings, render};
+use crate::render::{Moment, Observer, Settings, Warning, render};
 use crate::scene::Scene;
 
 /// A way to render the scene.
@@ -53,8 +53,8 @@ pub struct Outcome {
     pub images: Vec<Image>,
     /// The observer stopped it: the render that it stopped counts for nothing.
     pub interrupted: bool,
-    /// What the user should know of the renders, each line once.
-    pub warnings: Vec<String>,
+    /// What limits the images, each with the index of the variant.
+    pub warnings: Vec<(usize, Warning)>,
 }
 
 impl Experiment<'_> {
@@ -92,7 +92,7 @@ impl Experiment<'_> {
         elapsed: &(dyn Fn() -> f64 + Sync),
         observer: &dyn Observer,
     ) -> Result<(), rayon::ThreadPoolBuildError> {
-        let Variant { label, settings } = &self.variants[variant];
+        let settings = &self.variants[variant].settings;
         let pixels = self.reference.pixels.len() as u64;
         let schedule = Schedule::new(settings.budget, pixels);
         let recorder = Recorder {
@@ -133,12 +133,10 @@ impl Experiment<'_> {
         outcome
             .measurements
             .extend(measured.into_iter().chain([end]).map(measurement));
-        for warning in rendering.warnings {
-            let line = format!("{label}: {warning}");
-            if !outcome.warnings.contains(&line) {
-                outcome.warnings.push(line);
-            }
-        }
+        let warnings = rendering.warnings.into_iter();
+        outcome
+            .warnings
+            .extend(warnings.map(|warning| (variant, warning)));
         if repeat == 0 {
             outcome.images.push(rendering.image);
         }

@@ -9,16 +9,7 @@ use exr::prelude::{
 };
 
 use super::file::{WriteError, replace_file};
-use super::read::Image;
-
-/// What an image file can say about how it was made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AttributeValue {
-    /// Stored as `string`, in UTF-8.
-    Text(String),
-    /// Stored as `double`.
-    Number(f64),
-}
+use super::image::{AttributeValue, Image};
 
 /// Three values for every pixel of an image, in rows from the top, and the name of their layer.
 pub type ExrLayer<'a> = (&'a str, &'a [[f32; 3]]);

@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::file::{WriteError, replace_file};
-use super::read::Image;
+use super::image::Image;
 
 /// Writes a preview: 8 bits per channel, encoded as sRGB, values clamped to [0, 1].
 ///

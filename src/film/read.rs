@@ -12,7 +12,7 @@ use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
 
-use super::exr::AttributeValue;
+use super::image::{AnnotatedImage, AttributeValue, Image};
 
 /// Most pixels of an image: 16384 x 8192. A file may claim any size, and memory is finite.
 const MOST_PIXELS: usize = 1 << 27;
@@ -25,47 +25,6 @@ const MOST_EXR_PIXELS_PER_BYTE: u64 = 1032 / 2;
 /// most 512, since each block of 64 takes a bit, and an HDR image of one colour some hundreds. But their
 /// decoders fill what is missing of a file, and would take memory for whatever it claims.
 const MOST_PIXELS_PER_BYTE: u64 = 8 * 1032;
-
-/// An image in linear RGB with the primaries of sRGB.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Pixels in a column.
-    pub height: usize,
-    /// `width * height` pixels, rows from top to bottom.
-    pub pixels: Vec<[f32; 3]>,
-}
-
-/// An image and what its file says beside it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AnnotatedImage {
-    /// The image.
-    pub image: Image,
-    /// Of OpenEXR files, the other layers that have channels NAME.R, NAME.G and NAME.B, by name; as
-    /// many pixels as the image has.
-    pub layers: BTreeMap<String, Vec<[f32; 3]>>,
-    /// Of OpenEXR files, the texts and numbers that are no standard attributes, by name.
-    pub attributes: BTreeMap<String, AttributeValue>,
-}
-
-impl AnnotatedImage {
-    /// An attribute that is a number.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        match self.attributes.get(name) {
-            Some(AttributeValue::Number(number)) => Some(*number),
-            _ => None,
-        }
-    }
-
-    /// An attribute that is a text.
-    pub fn text(&self, name: &str) -> Option<&str> {
-        match self.attributes.get(name) {
-            Some(AttributeValue::Text(text)) => Some(text),
-            _ => None,
-        }
-    }
-}
 
 /// What the numbers of an integer image (PNG, JPEG) mean. Images in floating point are linear
 /// whatever this says.

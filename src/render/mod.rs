@@ -23,7 +23,7 @@ mod warnings;
 use crate::film::Image;
 use crate::scene::Scene;
 
-pub use choice::{Choice, choose};
+pub use choice::{Choice, ChoiceReason, choose};
 pub use division::DivisionSettings;
 pub use error::ErrorEstimate;
 pub use origin::{NonFinite, Origin};
@@ -32,6 +32,7 @@ pub use seat::LightTarget;
 pub use settings::{Budget, Integrator, Settings};
 pub use statistics::{MetropolisStatistics, MultiplexedStatistics, Statistics, StepStatistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies, techniques};
+pub use warnings::Warning;
 
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,8 +84,8 @@ pub struct Rendering {
     pub statistics: Statistics,
     /// The observer stopped it before its budget was spent.
     pub interrupted: bool,
-    /// What the user should know about the image.
-    pub warnings: Vec<String>,
+    /// What limits the image.
+    pub warnings: Vec<Warning>,
 }
 
 /// Renders `scene`. The image depends on the scene and the settings alone, to the bit, whatever the
@@ -110,9 +111,7 @@ pub fn render(
         .flatten()
         .all(|&value| value == 0.0);
     if black && !rendering.interrupted && rendering.warnings.is_empty() {
-        rendering
-            .warnings
-            .push("the image is black: no path has found light".into());
+        rendering.warnings.push(Warning::Black);
     }
     Ok(rendering)
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::clock::Clock;
 use super::sweep::{AtPixel, Collector, Place, Sweep, pixels};
-use super::{NonFinite, Observer, Origin, Settings, Statistics, warnings};
+use super::{NonFinite, Observer, Origin, Settings, Statistics, Warning, warnings};
 use crate::film::{Film, Image, Splat, SplatLog};
 use crate::integrators::{Sampler, Technique, Workspace};
 use crate::math::Rgb;
@@ -37,8 +37,8 @@ pub struct Strategies {
     pub statistics: Statistics,
     /// The observer stopped before all samples were taken.
     pub interrupted: bool,
-    /// What the user should know about the images.
-    pub warnings: Vec<String>,
+    /// What limits the images.
+    pub warnings: Vec<Warning>,
 }
 
 /// Why techniques cannot be shown.

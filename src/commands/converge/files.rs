@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::reference::Reference;
 use crate::commands::comparison::relative_map;
-use crate::commands::figures::digits;
+use crate::commands::numbers::digits;
 use crate::commands::output;
 
 const CSV: &str = "convergence.csv";
@@ -23,7 +23,22 @@ const JSON: &str = "convergence.json";
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
 
-/// A directory for the files of one experiment.
+/// What an experiment found, and how it was made.
+pub struct Results<'a> {
+    /// Title of the chart.
+    pub scene_name: &'a str,
+    /// What was asked for.
+    pub settings: Value,
+    pub reference: &'a Reference,
+    pub variants: &'a [Variant],
+    /// One for each variant.
+    pub curves: &'a [Curve],
+    pub outcome: &'a Outcome,
+    /// Sentences about what limits the images.
+    pub warnings: &'a [String],
+}
+
+/// The directory and file names of one experiment.
 pub struct Files {
     directory: PathBuf,
     /// File names of the variants, without extension.
@@ -73,19 +88,18 @@ impl Files {
         )
     }
 
-    /// Writes everything; `settings` go into the JSON file.
-    pub fn write(
-        &self,
-        scene_name: &str,
-        settings: Value,
-        reference: &Reference,
-        variants: &[Variant],
-        curves: &[Curve],
-        outcome: &Outcome,
-    ) -> miette::Result<()> {
+    /// Writes everything.
+    pub fn write(&self, results: &Results) -> miette::Result<()> {
+        let Results {
+            reference,
+            variants,
+            curves,
+            outcome,
+            ..
+        } = results;
         let table = csv_table(variants, &reference.image, outcome).into_diagnostic()?;
         output::write_bytes(&self.path(CSV), &table)?;
-        let svg = convergence_chart(scene_name, variants, curves, reference.relative_mse)
+        let svg = convergence_chart(results.scene_name, variants, curves, reference.relative_mse)
             .into_diagnostic()?;
         output::write_text(&self.path(SVG), &svg)?;
         let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
@@ -93,8 +107,7 @@ impl Files {
         for (stem, image) in self.stems.iter().zip(&outcome.images) {
             self.write_images(stem, image, &reference.image)?;
         }
-        let summary = self.summary_json(settings, reference, variants, curves, outcome);
-        output::write_json(&self.path(JSON), &summary)
+        output::write_json(&self.path(JSON), &self.summary_json(results))
     }
 
     fn write_images(&self, stem: &str, image: &Image, reference: &Image) -> miette::Result<()> {
@@ -104,32 +117,32 @@ impl Files {
         output::write_bytes(&error, &relative_map(image, reference)?)
     }
 
-    fn summary_json(
-        &self,
-        settings: Value,
-        reference: &Reference,
-        variants: &[Variant],
-        curves: &[Curve],
-        outcome: &Outcome,
-    ) -> Value {
+    fn summary_json(&self, results: &Results) -> Value {
+        let (variants, curves) = (results.variants, results.curves);
         let of = |(i, variant): (usize, &Variant)| {
+            let comparison =
+                |cost: Cost, measure: Measure| comparison(variants, curves, i, (cost, measure));
             json!({
                 "label": variant.label,
                 "integrator": variant.settings.integrator,
                 "image": self.stems[i],
                 "slope": curves[i].slope(Cost::Seconds, Measure::Whole),
-                "comparison": comparison(variants, curves, i, (Cost::Seconds, Measure::Whole)),
-                "comparison_trimmed": comparison(variants, curves, i, (Cost::Seconds, Measure::Trimmed)),
-                "comparison_by_rays": comparison(variants, curves, i, (Cost::Rays, Measure::Whole)),
+                "comparison": comparison(Cost::Seconds, Measure::Whole),
+                "comparison_trimmed": comparison(Cost::Seconds, Measure::Trimmed),
+                "comparison_by_rays": comparison(Cost::Rays, Measure::Whole),
                 "points": curves[i].points,
             })
         };
+        let reference = results.reference;
         json!({
-            "settings": settings,
-            "reference": { "description": reference.description, "relative_mse": reference.relative_mse },
+            "settings": results.settings,
+            "reference": {
+                "description": reference.description,
+                "relative_mse": reference.relative_mse,
+            },
             "variants": variants.iter().enumerate().map(of).collect::<Vec<_>>(),
-            "interrupted": outcome.interrupted,
-            "warnings": outcome.warnings,
+            "interrupted": results.outcome.interrupted,
+            "warnings": results.warnings,
         })
     }
 }

@@ -4,21 +4,19 @@ mod files;
 mod reference;
 mod sweep;
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
-use metrolight::analysis::lost_light;
 use metrolight::convergence::{Curve, Experiment, Variant};
-use metrolight::render::{Budget, Integrator, Settings};
+use metrolight::render::{Budget, Integrator, Settings, Warning};
 use miette::{IntoDiagnostic, bail};
 
-use self::files::Files;
+use self::files::{Files, Results};
 use self::reference::Effort;
 use self::sweep::Sweep;
-use super::progress::Progress;
-use super::render::{IntegratorName, print_warnings};
+use super::names::IntegratorName;
+use super::run_args::RunArgs;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, interrupt, output, say, tell, values};
+use super::{Outcome, interrupt, output, say, tell, values, warn, wording};
 
 /// Chart the error of integrators against time
 ///
@@ -91,13 +89,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
 
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = values::threads)]
-    threads: Option<usize>,
-
-    /// Print nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Time of a render when the user names none, in seconds.
@@ -109,16 +102,17 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let files = Files::prepare(&args.output, &variants)?;
     interrupt::listen()?;
     let opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
-    print_warnings(&lost(&opened, &variants));
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    warn(&opened.warnings);
+    warn(lost(&opened, &variants));
+    let progress = args.run.progress();
 
     // The truth.
     let reference = match &args.reference {
         Some(path) => reference::read(path, &opened.scene)?,
         None => {
             let effort = args.reference_effort();
-            let rendered = reference::render(&args.scene, &opened, effort, &files, &progress)?;
+            let rendered =
+                reference::render(&args.scene, &opened, effort, &files.reference(), &progress)?;
             let Some(reference) = rendered else {
                 tell("interrupted before the reference was done: nothing is measured");
                 return Ok(Outcome::Interrupted);
@@ -126,7 +120,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
             reference
         }
     };
-    if !args.quiet {
+    if !args.run.quiet {
         say(&reference.description);
     }
 
@@ -139,7 +133,8 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     };
     let outcome = experiment.run(&progress).into_diagnostic()?;
     progress.finish();
-    print_warnings(&outcome.warnings);
+    let warnings = limits(&outcome.warnings, &variants);
+    warn(&warnings);
     if outcome.measurements.is_empty() {
         tell("interrupted before the first render was done: nothing is charted");
         return Ok(Outcome::Interrupted);
@@ -149,17 +144,17 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let curves: Vec<Curve> = (0..variants.len())
         .map(|i| Curve::new(&outcome.measurements, i))
         .collect();
-    let settings = args.settings_json(&opened);
-    files.write(
-        &args.scene.name()?,
-        settings,
-        &reference,
-        &variants,
-        &curves,
-        &outcome,
-    )?;
-    print_warnings(reference.doubt(&curves).as_slice());
-    if !args.quiet {
+    files.write(&Results {
+        scene_name: &args.scene.name()?,
+        settings: args.settings_json(&opened),
+        reference: &reference,
+        variants: &variants,
+        curves: &curves,
+        outcome: &outcome,
+        warnings: &warnings,
+    })?;
+    warn(reference.doubt(&curves));
+    if !args.run.quiet {
         say(files::summary(&variants, &curves));
         say(files.wrote());
     }
@@ -174,8 +169,24 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
 fn lost(opened: &Opened, variants: &[Variant]) -> Vec<String> {
     let mut lines = Vec::new();
     for Variant { label, settings } in variants {
-        let lost = lost_light(&opened.scene, settings.integrator.sampler());
+        let lost = opened.lost_light(settings.integrator.sampler());
         lines.extend(lost.iter().map(|lost| format!("{label}: {lost}")));
+    }
+    lines
+}
+
+/// What limits the images of the renders, each sentence once.
+fn limits(warnings: &[(usize, Warning)], variants: &[Variant]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (variant, warning) in warnings {
+        let line = format!(
+            "{}: {}",
+            variants[*variant].label,
+            wording::warning(warning)
+        );
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
     }
     lines
 }
@@ -196,7 +207,7 @@ impl Args {
             let settings = Settings {
                 budget: self.budget(),
                 seed: self.seed,
-                threads: self.threads,
+                threads: self.run.threads,
                 ..Settings::new(integrator)
             };
             match &self.sweep {
@@ -257,7 +268,7 @@ impl Args {
             },
             // Not a seed that a repeat has, or its image would be part of the truth.
             seed: !self.seed,
-            threads: self.threads,
+            threads: self.run.threads,
         }
     }
 
@@ -271,7 +282,7 @@ impl Args {
             "budget": output::budget_json(self.budget()),
             "repeats": self.repeats,
             "seed": self.seed,
-            "threads": self.threads.unwrap_or_else(rayon::current_num_threads),
+            "threads": self.run.threads.unwrap_or_else(rayon::current_num_threads),
         })
     }
 }

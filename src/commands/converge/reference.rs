@@ -9,11 +9,11 @@ use metrolight::render::{self, Budget, Integrator, Settings};
 use metrolight::scene::Scene;
 use miette::{IntoDiagnostic, bail};
 
-use super::Progress;
-use super::files::Files;
-use crate::commands::figures::{digits, duration, json};
+use crate::commands::numbers::{digits, duration};
+use crate::commands::progress::Progress;
 use crate::commands::source::{Opened, SceneArgs};
-use crate::commands::{input, output, render::print_warnings};
+use crate::commands::statistics::json;
+use crate::commands::{input, output, warn, wording};
 
 /// A reference, and how far it can be trusted.
 pub struct Reference {
@@ -64,7 +64,7 @@ pub fn render(
     args: &SceneArgs,
     opened: &Opened,
     effort: Effort,
-    files: &Files,
+    path: &Path,
     progress: &Progress,
 ) -> miette::Result<Option<Reference>> {
     let settings = Settings {
@@ -82,11 +82,11 @@ pub fn render(
     let warnings: Vec<String> = rendering
         .warnings
         .iter()
-        .map(|warning| format!("reference: {warning}"))
+        .map(|warning| format!("reference: {}", wording::warning(warning)))
         .collect();
-    print_warnings(&warnings);
+    warn(&warnings);
     let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
-    output::write_rendering(&files.reference(), &rendering, &report)?;
+    output::write_rendering(path, &rendering, &report)?;
     let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
     let spent = match effort.budget {
         Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),

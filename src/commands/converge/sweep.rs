@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use metrolight::markov::SmallStep;
 use metrolight::render::{Integrator, Settings};
 
-use crate::commands::render::DirectName;
+use crate::commands::names::DirectName;
 use crate::commands::values;
 
 /// An option, with the values that it takes in turn. Such options change how a scene

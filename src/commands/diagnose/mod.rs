@@ -7,7 +7,6 @@ use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use metrolight::analysis::lost_light;
 use metrolight::diagnosis::{DiagnoseError, Diagnosis, Effort, SceneLight, diagnose};
 use metrolight::film::check_writable;
 use metrolight::render::Integrator;
@@ -16,9 +15,8 @@ use serde_json::{Value, json};
 
 use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
-use super::render::print_warnings;
 use super::source::SceneArgs;
-use super::{Outcome, interrupt, say, tell, values};
+use super::{Outcome, interrupt, say, tell, values, warn};
 
 /// Test whether Markov chains are in equilibrium, and measure how well they mix
 ///
@@ -113,10 +111,8 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         .build_global()
         .into_diagnostic()?;
     let mut opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
-    let sampler = Integrator::from(args.integrator).sampler();
-    let lost = lost_light(&opened.scene, sampler);
-    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
+    warn(&opened.warnings);
+    warn(opened.lost_light(Integrator::from(args.integrator).sampler()));
     let effort = args.effort();
     let progress = Progress::new(args.quiet, stderr().is_terminal());
     let subject = SceneLight::new(&mut opened.scene, args.threads);

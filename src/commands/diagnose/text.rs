@@ -2,7 +2,7 @@
 
 use metrolight::diagnosis::{Check, Diagnosis, Family, Quality, TILES};
 
-use crate::commands::figures::{digits, quantity};
+use crate::commands::numbers::{digits, quantity};
 
 /// Chains whose R-hat is above this do not agree well enough (Vehtari et al. 2021, section 4).
 const AGREE: f64 = 1.01;

@@ -10,6 +10,8 @@ use metrolight::film::{Decode, read_image};
 use miette::miette;
 use serde::de::DeserializeOwned;
 
+use crate::commands::warn;
+
 /// What `report` takes.
 pub const NEEDED: &str =
     "needed is a directory that converge, diagnose, compare, strategies or render wrote into";
@@ -136,7 +138,7 @@ impl<'a> Folder<'a> {
 
     fn figure(&self, name: &str, kind: &str, bytes: &[u8], caption: String) -> Option<Figure> {
         if bytes.len() > MOST_PICTURE_BYTES {
-            super::print_warnings(&[format!(
+            warn([format!(
                 "{} is left out: it has more than {} MiB",
                 self.path.join(name).display(),
                 MOST_PICTURE_BYTES >> 20

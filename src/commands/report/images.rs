@@ -10,8 +10,8 @@ use metrolight::film::{AnnotatedImage, AttributeValue, Decode, Image, read_annot
 use serde::Serialize;
 
 use super::folder::Folder;
-use super::sections::short;
-use crate::commands::render::print_warnings;
+use crate::commands::numbers::short;
+use crate::commands::warn;
 
 /// Most pixels of all images of a page together: 8 bytes each, 32 MiB of text. Beyond it all images
 /// are shown smaller.
@@ -56,7 +56,7 @@ pub fn find(folder: &Folder, variants: &[String]) -> Vec<Found> {
         let image = match read_annotated(&path, Decode::Srgb) {
             Ok(image) => image,
             Err(error) => {
-                print_warnings(&[format!("{} is left out: {error}", path.display())]);
+                warn([format!("{} is left out: {error}", path.display())]);
                 continue;
             }
         };

@@ -15,8 +15,7 @@ use miette::{IntoDiagnostic, bail};
 use self::folder::{Folder, NEEDED};
 use self::page::{Page, SCRIPT, STYLE, Viewer};
 use super::output::write_text;
-use super::render::print_warnings;
-use super::{Outcome, say, values};
+use super::{Outcome, say, values, warn};
 
 /// Make one HTML page of what other commands left in a directory
 ///
@@ -84,7 +83,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     if let Some(joined) = page.images.as_ref().map(|viewer| viewer.joined)
         && joined > 1
     {
-        print_warnings(&[format!(
+        warn([format!(
             "the images are large: {joined} x {joined} pixels are shown as one"
         )]);
     }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::folder::{Figure, Folder};
 use super::images::Found;
 use super::records::{Comparison, Convergence, Diagnosis, Strategies};
-use crate::commands::figures::{digits, quantity};
+use crate::commands::numbers::{digits, quantity, short};
 
 /// Names and values, under a heading.
 pub struct Facts {
@@ -57,15 +57,6 @@ fn plain(value: &Value) -> String {
             None => number.to_string(),
         },
         Value::Bool(_) | Value::Object(_) => value.to_string(),
-    }
-}
-
-/// A number to seven digits; whole numbers to the last.
-pub fn short(number: f64) -> String {
-    match number.abs() {
-        size if size < 1e15 && number.fract() == 0.0 => number.to_string(),
-        size if (1e-4..1e9).contains(&size) => (number as f32).to_string(),
-        _ => format!("{number:.6e}"),
     }
 }
 
@@ -336,23 +327,4 @@ pub fn origin(found: &Found) -> Option<Facts> {
         heading: format!("{}.exr", found.stem),
         rows: found.attributes.clone(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn numbers_are_short() {
-        for (number, expected) in [
-            (20.0, "20"),
-            (-4_194_304.0, "-4194304"),
-            (f64::from(0.3f32), "0.3"),
-            (530_502.175_543, "530502.2"),
-            (1.5e-9, "1.500000e-9"),
-            (1e300, "1.000000e300"),
-        ] {
-            assert_eq!(short(number), expected);
-        }
-    }
 }

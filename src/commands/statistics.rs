@@ -8,6 +8,7 @@ use metrolight::render::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::numbers::{duration, quantity};
 use super::output::{Outputs, budget_json};
 use super::source::{Opened, SceneArgs};
 
@@ -148,83 +149,4 @@ fn multiplexed_line(multiplexed: &MultiplexedStatistics) -> String {
         100.0 * multiplexed.mutations.acceptance_rate,
         multiplexed.longest_rejection_run,
     )
-}
-
-/// A number to three digits with a suffix: `1.23 M`.
-pub fn quantity(number: f64) -> String {
-    let (scale, suffix) = match number {
-        n if n >= 1e9 => (1e9, " G"),
-        n if n >= 1e6 => (1e6, " M"),
-        n if n >= 1e4 => (1e3, " k"),
-        _ => return format!("{number:.0}"),
-    };
-    let scaled = number / scale;
-    let decimals = match scaled {
-        s if s < 9.995 => 2,
-        s if s < 99.95 => 1,
-        _ => 0,
-    };
-    format!("{scaled:.decimals$}{suffix}")
-}
-
-/// A number to three digits, with an exponent where it would be long: `0.0123`, `4.56e-5`.
-pub fn digits(number: f64) -> String {
-    let magnitude = number.abs().log10().floor();
-    if number == 0.0 {
-        "0".into()
-    } else if (-3.0..4.0).contains(&magnitude) {
-        format!("{number:.*}", (2.0 - magnitude).max(0.0) as usize)
-    } else {
-        format!("{number:.2e}")
-    }
-}
-
-/// A time to read: `1 h 02 min`, `3 min 20 s`, `12.3 s`, `45 ms`.
-pub fn duration(seconds: f64) -> String {
-    let whole = seconds.round() as u64;
-    match seconds {
-        s if s < 0.9995 => format!("{:.0} ms", 1000.0 * s),
-        s if s < 59.95 => format!("{s:.1} s"),
-        s if s < 3599.5 => format!("{} min {:02} s", whole / 60, whole % 60),
-        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{digits, duration, quantity};
-
-    #[test]
-    fn numbers_and_times_are_short() {
-        for (number, expected) in [
-            (0.0, "0"),
-            (9999.0, "9999"),
-            (12_345.0, "12.3 k"),
-            (999_600.0, "1000 k"),
-            (1_234_567.0, "1.23 M"),
-            (123.4e9, "123 G"),
-        ] {
-            assert_eq!(quantity(number), expected);
-        }
-        for (number, expected) in [
-            (0.0, "0"),
-            (15.91, "15.9"),
-            (0.001_234, "0.00123"),
-            (-1234.5, "-1234"),
-            (4.567e-5, "4.57e-5"),
-            (98765.0, "9.88e4"),
-        ] {
-            assert_eq!(digits(number), expected);
-        }
-        for (seconds, expected) in [
-            (0.0123, "12 ms"),
-            (0.9996, "1.0 s"),
-            (59.96, "1 min 00 s"),
-            (200.4, "3 min 20 s"),
-            (3599.6, "1 h 00 min"),
-            (7325.0, "2 h 02 min"),
-        ] {
-            assert_eq!(duration(seconds), expected);
-        }
-    }
 }
