@@ -80,7 +80,7 @@ fn wrong_arguments_are_explained() {
     for (arguments, message) in [
         ("paint room.xml", "unrecognized subcommand 'paint'"),
         ("render room.xml --sp 1", "unexpected argument '--sp'"),
-        ("render room.xml --spp 0", "from 1 on"),
+        ("render room.xml --spp 0", "at least 1"),
         ("render room.xml --spp 1 --time 1s", "cannot be used with"),
         ("render room.xml --time 0s", "60s, 2m, 1.5h"),
         ("render room.xml --time 5x", "60s, 2m, 1.5h"),
@@ -97,7 +97,7 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "render room.xml --integrator bdpt --chains 4",
-            "--chains means nothing",
+            "--chains applies to pssmlt, not to bdpt",
         ),
         (
             "render room.xml --chains 4",
@@ -105,13 +105,13 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "render room.xml --integrator pssmlt --direct joint",
-            "--direct means nothing",
+            "--direct applies to mmlt, not to pssmlt",
         ),
-        ("render room.xml --threshold -1", "a number from 0 on"),
+        ("render room.xml --threshold -1", "a number of at least 0"),
         ("render room.xml --small-step log:1:2", "log:0.001:0.016"),
         (
             "render room.xml --integrator pssmlt --target-error 1 --chains 1",
-            "two chains at least",
+            "needs --chains 2 or more",
         ),
         ("render room.xml --max-depth 0", "-1 for no limit"),
         ("render room.xml -D radiance", "name=value"),
@@ -470,7 +470,7 @@ fn help_needs_no_manual() {
             .and(contains("60s, 2m, 1.5h"))
             .and(contains("[default: path 64"))
             .and(contains(
-                "[default: bdpt or mmlt, as a short pilot decides]",
+                "[default: bdpt or mmlt; a short pilot render decides]",
             )),
     );
     place

@@ -127,7 +127,7 @@ fn bias_is_found_where_there_is_some_and_only_there() {
     assert!(
         other["notes"][0]
             .as_str()
-            .is_some_and(|n| n.contains("one seed"))
+            .is_some_and(|n| n.contains("the same seed"))
     );
     // One side without standard errors.
     place.run("compare a.exr a.png").assert().success().stdout(
@@ -157,7 +157,7 @@ fn what_cannot_be_compared_is_said() {
     for (arguments, message) in [
         (
             "wide.exr r.exr -o out",
-            "wide.exr has 6 x 4 pixels, r.exr has 5 x 4 pixels: images of one size are needed",
+            "wide.exr has 6 x 4 pixels, r.exr has 5 x 4 pixels: images of the same size are needed",
         ),
         (
             "r.exr nan.exr -o out",
@@ -166,13 +166,13 @@ fn what_cannot_be_compared_is_said() {
         (
             "depth.exr r.exr -o out",
             "depth.exr: not a usable image (PNG, JPEG, OpenEXR or Radiance HDR): its channels are Z; \
-             needed are R, G and B, or Y",
+             expected R, G and B, or Y",
         ),
         ("room.xml r.exr", "room.xml: not a usable image"),
         ("none.exr r.exr", "none.exr: cannot read the image"),
         (
             "r.exr r.exr -o room.xml",
-            "cannot make the directory room.xml: it is a file; the name of a directory is needed",
+            "cannot make the directory room.xml: it is a file; give the name of a directory",
         ),
         ("r.exr", "<REFERENCE>"),
     ] {

@@ -129,11 +129,11 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "converge room.xml --integrators bdpt --sweep chains=4 -o chart",
-            "means nothing",
+            "applies to none",
         ),
         (
             "converge room.xml --integrators bdpt --repeats 0 -o chart",
-            "from 1 on",
+            "at least 1",
         ),
         (
             "converge room.xml --integrators bdpt --reference no.exr -o chart",

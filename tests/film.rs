@@ -80,7 +80,7 @@ fn samples_of_a_pixel_average_to_the_filtered_picture() {
             film.add_samples(pixel, sum.map(|s| 0.25 * s), n / 4);
             film.add_samples(pixel, sum.map(|s| 0.75 * s), n - n / 4);
         }
-        assert_filtered_picture(filter, &film.develop(0.0), 1e-5);
+        assert_filtered_picture(filter, &film.resolve(0.0), 1e-5);
     }
 }
 
@@ -101,7 +101,7 @@ fn splats_from_everywhere_add_up_to_the_filtered_picture() {
             });
         }
         film.apply(&[&log]);
-        let image = film.develop(1.0 / f64::from(n * n));
+        let image = film.resolve(1.0 / f64::from(n * n));
         assert_filtered_picture(filter, &image, 1e-4);
     }
 }
@@ -115,7 +115,7 @@ fn samples_and_splats_are_scaled_apart_and_pixels_without_samples_are_black() {
         value: Rgb::new(1.0, 2.0, 4.0),
     });
     // A pixel is half of the unit film: the mean over it is twice its share of the integral.
-    let image = film.develop(0.5);
+    let image = film.resolve(0.5);
     assert_eq!((image.width, image.height), (2, 1));
     assert_eq!(image.pixels, [[0.0; 3], [2.0 + 1.0, 3.0 + 2.0, 4.0 + 4.0]]);
 }

@@ -188,7 +188,7 @@ fn what_cannot_be_shown_is_said() {
         ("strategies room.xml", "--output <DIR>"),
         (
             "strategies room.xml -o out --exposure x",
-            "a number of stops",
+            "expected a number of stops",
         ),
     ] {
         place

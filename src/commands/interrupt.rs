@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks for an end, the second ends at once.
+//! Ctrl-C: the first press ends the command in an orderly way, the second at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,7 +8,7 @@ use super::{INTERRUPTED, tell};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Listens for Ctrl-C from now on.
+/// Installs the handler of Ctrl-C.
 pub fn listen() -> miette::Result<()> {
     ctrlc::set_handler(|| {
         if REQUESTED.swap(true, Ordering::Relaxed) {

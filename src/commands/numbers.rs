@@ -1,6 +1,6 @@
-//! Numbers and times as people read them.
+//! Numbers and times for people to read.
 
-/// A number to three digits with a suffix: `1.23 M`.
+/// A number with three digits and an SI prefix: `1.23 M`.
 pub fn quantity(number: f64) -> String {
     let (scale, suffix) = match number {
         n if n >= 1e9 => (1e9, " G"),
@@ -17,7 +17,7 @@ pub fn quantity(number: f64) -> String {
     format!("{scaled:.decimals$}{suffix}")
 }
 
-/// A number to three digits, with an exponent where it would be long: `0.0123`, `4.56e-5`.
+/// A number with three digits, in scientific notation if it would be long: `0.0123`, `4.56e-5`.
 pub fn digits(number: f64) -> String {
     let magnitude = number.abs().log10().floor();
     if number == 0.0 {
@@ -29,7 +29,7 @@ pub fn digits(number: f64) -> String {
     }
 }
 
-/// A number to seven digits, and an integer to the last digit.
+/// A number with seven digits; an integer with all of its digits.
 pub fn short(number: f64) -> String {
     match number.abs() {
         size if size < 1e15 && number.fract() == 0.0 => number.to_string(),
@@ -38,7 +38,7 @@ pub fn short(number: f64) -> String {
     }
 }
 
-/// A time to read: `1 h 02 min`, `3 min 20 s`, `12.3 s`, `45 ms`.
+/// A time in seconds, in suitable units: `1 h 02 min`, `3 min 20 s`, `12.3 s`, `45 ms`.
 pub fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match seconds {

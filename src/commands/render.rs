@@ -1,4 +1,4 @@
-//! `metrolight render`: a scene file becomes an image.
+//! `metrolight render`: renders a scene file to an image.
 
 use std::path::PathBuf;
 
@@ -15,9 +15,9 @@ use super::{Outcome, interrupt, replay, say, statistics, tell, values, warn, wor
 
 /// Render a scene
 ///
-/// Writes an OpenEXR image (linear RGB radiance, 32-bit floats, with the figures of the render as
-/// attributes) and a PNG preview (sRGB, clamped). The same scene, seed and --spp give the same image
-/// to the bit, whatever the number of threads. Ctrl-C ends the render early and keeps its image.
+/// Writes an OpenEXR image (linear RGB radiance, 32-bit floats, with the statistics of the render as
+/// attributes) and a PNG preview (sRGB, clamped). The same scene, seed and --spp give bit-identical
+/// images for any number of threads. Ctrl-C ends the render early and keeps its image.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -35,13 +35,13 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// OpenEXR file to write; the preview goes beside it, with .png
-    /// [default: NAME.exr in the current directory, NAME the scene file's stem, or its folder's
-    /// name if the stem is `scene`]
+    /// OpenEXR file to write; the preview has the same name with .png
+    /// [default: NAME.exr in the current directory; NAME is the scene file's name without extension,
+    /// or that of its directory if the file is named `scene`]
     #[arg(short, long, value_name = "OUT.exr", value_parser = values::exr_path)]
     output: Option<PathBuf>,
 
-    /// Method [default: bdpt or mmlt, as a short pilot decides]
+    /// Integrator [default: bdpt or mmlt; a short pilot render decides]
     #[arg(long)]
     integrator: Option<IntegratorName>,
 
@@ -54,11 +54,11 @@ pub struct Args {
     )]
     spp: Option<u64>,
 
-    /// Time to render in (60s, 2m, 1.5h, or plain seconds), instead of --spp; loading does not count
+    /// Rendering time (60s, 2m, 1.5h, or seconds) instead of --spp; loading does not count
     #[arg(long, value_name = "TIME", value_parser = values::seconds)]
     time: Option<f64>,
 
-    /// Seed of all random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
 
@@ -82,34 +82,34 @@ pub struct Args {
     chains: Option<u64>,
 
     /// pssmlt: number of bootstrap samples
-    /// [default: until the standard error of b is small]
+    /// [default: as many as make the standard error of b small]
     #[arg(long, value_name = "N", value_parser = values::positive)]
     bootstrap: Option<u64>,
 
-    /// mmlt: who renders direct light: plain samples, or these and the chains like all else
-    #[arg(long, value_name = "WHO")]
+    /// mmlt: how direct light is rendered: by independent samples only, or by both these and chains
+    #[arg(long, value_name = "MODE")]
     direct: Option<DirectName>,
 
-    /// mmlt: let all regions of the image count by their brightness, and not alike
+    /// mmlt: distribute chains by brightness alone, instead of equally over bright and dark regions
     #[arg(long)]
     no_importance_map: bool,
 
-    /// mmlt: how bright a path must be for chains to take over, in units of the brightness expected
-    /// where it lands [default: as the pilot decides]
+    /// mmlt: brightness above which chains render the rest of a path's contribution, relative to the
+    /// expected brightness at its pixel [default: the pilot decides]
     #[arg(long, value_name = "T", value_parser = values::threshold)]
     threshold: Option<f32>,
 
     /// Estimate the standard error of every pixel: adds the channels standard_error.R, .G and .B to
-    /// the EXR file and prints the relMSE that they make expect
+    /// the EXR file and prints the expected relMSE
     #[arg(long)]
     error: bool,
 
-    /// Stop as soon as the estimated relMSE is E or less; with --spp or --time no later than these
-    /// say, else however long it takes. Means --error too
+    /// Stop as soon as the estimated relMSE is E or less; --spp or --time set an upper limit, without
+    /// them there is none. Implies --error
     #[arg(long, value_name = "E", value_parser = values::target_error)]
     target_error: Option<f64>,
 
-    /// Write the figures of the render to a JSON file
+    /// Write the statistics of the render to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 
@@ -139,7 +139,7 @@ fn large_step_help() -> String {
 fn small_step_help() -> String {
     let default = |integrator: Integrator| integrator.default_small_step().to_string();
     format!(
-        "pssmlt, mmlt: how numbers move in a small step: log:SHORTEST:LONGEST or gaussian:DEVIATION \
+        "pssmlt, mmlt: distribution of small steps: log:SHORTEST:LONGEST or gaussian:DEVIATION \
          [default: {}, {}]",
         default(Integrator::Pssmlt),
         default(Integrator::Mmlt)
@@ -151,7 +151,7 @@ fn chains_help() -> String {
     format!("pssmlt: number of Markov chains [default: {default}]")
 }
 
-/// Loads, renders, writes and sums up.
+/// Loads the scene, renders it, writes the image and prints a summary.
 pub fn run(args: Args) -> miette::Result<Outcome> {
     let mut settings = args.settings()?;
     let outputs = Outputs::prepare(args.output, &args.scene.name()?, args.stats)?;
@@ -201,7 +201,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         say(statistics::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
-        tell("interrupted: the image holds what had been rendered by then");
+        tell("interrupted: the image holds the samples taken so far");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
@@ -209,7 +209,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
 
 impl Args {
     fn settings(&self) -> miette::Result<Settings> {
-        // Until a pilot has chosen: what it may choose has the same defaults.
+        // A default until the pilot has chosen; both of its choices have the same settings.
         let integrator = self.integrator.map_or(Integrator::Mmlt, Integrator::from);
         self.check_options(integrator)?;
         let defaults = Settings::new(integrator);
@@ -239,11 +239,11 @@ impl Args {
         })
     }
 
-    /// Options that mean something to some integrators alone must come with one of them.
+    /// Checks that options of some integrators only are given with one of these.
     fn check_options(&self, integrator: Integrator) -> miette::Result<()> {
         let (pssmlt, mmlt) = (Integrator::Pssmlt, Integrator::Mmlt);
         let large_step = self.large_step_probability.is_some();
-        let of_some = [
+        let options = [
             ("--large-step-probability", large_step, &[pssmlt][..]),
             ("--small-step", self.small_step.is_some(), &[pssmlt, mmlt]),
             ("--chains", self.chains.is_some(), &[pssmlt]),
@@ -252,17 +252,20 @@ impl Args {
             ("--no-importance-map", self.no_importance_map, &[mmlt]),
             ("--threshold", self.threshold.is_some(), &[mmlt]),
         ];
-        for (option, given, of) in of_some {
+        for (option, given, of) in options {
+            let names: Vec<&str> = of.iter().map(|integrator| integrator.name()).collect();
             match self.integrator {
                 Some(name) if given && !of.contains(&integrator) => {
-                    bail!("{option} means nothing to the integrator {name}")
+                    bail!("{option} applies to {}, not to {name}", names.join(" and "))
                 }
-                None if given => bail!("{option} needs --integrator {}", of[0].name()),
+                None if given => bail!("{option} needs --integrator {}", names.join(" or ")),
                 _ => {}
             }
         }
         if integrator.is_metropolis() && self.target_error.is_some() && self.chains == Some(1) {
-            bail!("--target-error needs two chains at least: the error is seen from their spread");
+            bail!(
+                "--target-error needs --chains 2 or more: the error is estimated from the spread of the chains"
+            );
         }
         Ok(())
     }

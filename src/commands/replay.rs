@@ -1,4 +1,4 @@
-//! `metrolight replay`: one sample of a render, made again and taken apart.
+//! `metrolight replay`: repeats one sample of a render and shows its paths.
 
 use glam::DVec3;
 use metrolight::integrators::Technique;
@@ -14,11 +14,10 @@ use super::names::IntegratorName;
 use super::source::SceneArgs;
 use super::{Outcome, say, tell, values, warn};
 
-/// Make one sample of a render again and show its paths
+/// Repeat one sample of a render and show its paths
 ///
-/// A render prints the command line for each of the first samples that were not finite. Where the
-/// sample came from, the integrator and the seed say all; the size of the image, the longest path and
-/// variables must be those of the render.
+/// A render prints this command for each of the first samples that were not finite. The integrator,
+/// the seed and --at identify the sample; --size, --max-depth and -D must be those of the render.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -30,7 +29,7 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Method of the render
+    /// Integrator of the render
     #[arg(long, default_value_t = Settings::default().integrator.into())]
     integrator: IntegratorName,
 
@@ -38,11 +37,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
 
-    /// Where the sample came from, as the render printed it
+    /// The sample, as the render printed it
     #[arg(long, value_name = "ORIGIN", value_parser = str::parse::<Origin>)]
     at: Origin,
 
-    /// Probability of a large step in the render, for a sample of a chain
+    /// For a sample of a chain: the probability of a large step in the render
     #[arg(
         long,
         value_name = "P",
@@ -51,7 +50,7 @@ pub struct Args {
     )]
     large_step_probability: f32,
 
-    /// Small steps in the render, for a sample of a chain [default: those of the integrator]
+    /// For a sample of a chain: the small steps in the render [default: those of the integrator]
     #[arg(long, value_name = "STEP", value_parser = values::small_step)]
     small_step: Option<SmallStep>,
 }
@@ -77,13 +76,13 @@ fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
         settings.integrator.name(),
         settings.seed
     );
-    let usual = Settings::new(settings.integrator);
+    let defaults = Settings::new(settings.integrator);
     if matches!(origin, Origin::Mutation { .. }) {
         let (p, step) = (settings.large_step_probability, settings.small_step);
-        if p != usual.large_step_probability {
+        if p != defaults.large_step_probability {
             words += &format!(" --large-step-probability {p}");
         }
-        if step != usual.small_step {
+        if step != defaults.small_step {
             words += &format!(" --small-step {step}");
         }
     }
@@ -94,12 +93,12 @@ fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
     warn(&opened.warnings);
-    let usual = Settings::new(args.integrator.into());
+    let defaults = Settings::new(args.integrator.into());
     let settings = Settings {
         seed: args.seed,
         large_step_probability: args.large_step_probability,
-        small_step: args.small_step.unwrap_or(usual.small_step),
-        ..usual
+        small_step: args.small_step.unwrap_or(defaults.small_step),
+        ..defaults
     };
     let scene = &opened.scene;
     let replay = match Replay::run(scene, &settings, args.at) {
@@ -126,10 +125,10 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         replay.workspace.light_vertices(),
     );
     if replay.connections.is_empty() {
-        say("no technique finds light");
+        say("no technique found light");
     }
     for (technique, connection) in &replay.connections {
-        say(found(scene, &replay, *technique, connection));
+        say(connection_line(scene, &replay, *technique, connection));
     }
     Ok(Outcome::Done)
 }
@@ -148,8 +147,13 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
     }
 }
 
-/// A connection in a line: technique, pixel, value and weight.
-fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Connection) -> String {
+/// One line for a connection: technique, film position, value and weight.
+fn connection_line(
+    scene: &Scene,
+    replay: &Replay,
+    technique: Technique,
+    connection: &Connection,
+) -> String {
     let film = connection.position(replay.film);
     let contribution = connection.contribution();
     let fault = if is_light(contribution) {
@@ -168,7 +172,7 @@ fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Conn
     )
 }
 
-/// Three numbers to six digits; in plain decimals where these are short.
+/// Three numbers with six decimals, in scientific notation if they are very small or large.
 fn triple(v: DVec3) -> String {
     let number = |x: f64| match x.abs() {
         0.0 => "0".into(),

@@ -1,4 +1,4 @@
-//! What a render took: as JSON, and as a few lines to read.
+//! Statistics of a render: as JSON, and as a few lines to read.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ struct Report<'a> {
     warnings: &'a [String],
 }
 
-/// All figures of a render. Times are in seconds.
+/// All statistics of a render. Times are in seconds.
 pub fn json(
     args: &SceneArgs,
     opened: &Opened,
@@ -63,7 +63,7 @@ pub fn json(
     })
 }
 
-/// A few lines: what was written, how much was done and how fast.
+/// A few lines: the files written, the number of samples, the speed and the error.
 pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
     let statistics = &rendering.statistics;
     let [width, height] = statistics.size;
@@ -107,7 +107,7 @@ pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
             None => "passes",
         };
         lines.push(format!(
-            "relMSE about {:.2e}, from the spread of {} {parts}",
+            "relMSE about {:.2e}, estimated from {} {parts}",
             error.relative_mse, error.parts
         ));
     }
@@ -141,7 +141,7 @@ fn metropolis_lines(metropolis: &MetropolisStatistics) -> [String; 2] {
 
 fn multiplexed_line(multiplexed: &MultiplexedStatistics) -> String {
     format!(
-        "beyond {} times the expected brightness: {} chains with {} mutations, {:.1}% of them \
+        "above {} times the expected brightness: {} chains with {} mutations, {:.1}% of them \
          accepted, longest run of rejections {}",
         f64::from(multiplexed.threshold),
         multiplexed.chains,

@@ -1,4 +1,4 @@
-//! `metrolight strategies`: each technique (s, t) of bidirectional path tracing as an image.
+//! `metrolight strategies`: an image for each technique (s, t) of bidirectional path tracing.
 
 use std::path::{Path, PathBuf};
 
@@ -19,12 +19,12 @@ use super::source::SceneArgs;
 use super::values::MaxDepth;
 use super::{Outcome, interrupt, output, replay, say, tell, values, warn, wording};
 
-/// Show each technique (s, t) of bidirectional path tracing alone
+/// Render each technique (s, t) of bidirectional path tracing separately
 ///
-/// A path of k edges has k + 1 = s + t vertices, s of them made from the light and t from the camera.
-/// Writes for every (s, t) with t >= 1 what it finds without its weight in the power heuristic, and its
-/// weighted part: all weighted images add up to what `render --integrator bdpt` makes of the same seed
-/// and --spp. Two sheets show them as Veach (1997, figures 10.3 and 10.4) drew his pyramid.
+/// A path of k edges has k + 1 = s + t vertices, s of them on the light subpath and t on the camera
+/// subpath. Writes two images for every (s, t) with t >= 1: unweighted, and weighted by the power
+/// heuristic. The sum of all weighted images is the image of `render --integrator bdpt` with the same
+/// seed and --spp. Two contact sheets show the techniques as in Veach (1997, figures 10.3 and 10.4).
 #[derive(clap::Args)]
 #[command(
     mut_arg("max_depth", |arg| arg.help(depth_help())),
@@ -34,7 +34,7 @@ Examples:
   metrolight strategies scenes/bidir/scene.xml -o out        paths of up to 5 edges
   metrolight strategies scene.xml --size 160x120 --max-depth 7 --spp 128 -o out
 
-Files in DIR: unweighted.png and weighted.png (the sheets), strategies.json (means and shares), and
+Files in DIR: unweighted.png and weighted.png (contact sheets), strategies.json (means and shares), and
 linear images unweighted_sS_tT.exr and weighted_sS_tT.exr.
 
 Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the images so far are written)"
@@ -43,7 +43,7 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Directory for the images; made if there is none
+    /// Directory for the images; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 
@@ -51,12 +51,12 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 32)]
     spp: u64,
 
-    /// Seed of all random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
 
     /// Exposure of both sheets in stops
-    /// [default: for each row one that shows its sum well, in whole stops]
+    /// [default: for each row the whole number of stops that suits its sum]
     #[arg(long, value_name = "STOPS", value_parser = values::stops)]
     exposure: Option<f64>,
 
@@ -64,14 +64,17 @@ pub struct Args {
     run: RunArgs,
 }
 
-/// Longest path if the user names none: 19 techniques, which fit on a sheet.
-const EDGES: u32 = 5;
+/// Default maximum number of edges: 19 techniques, which fit on a sheet.
+const DEFAULT_EDGES: u32 = 5;
 
-/// Mean luminance that a row's sum has on the sheet, about: a middle grey.
-const MIDDLE: f64 = 0.2;
+/// Mean luminance of a row's sum on the sheet, roughly: middle grey.
+const MIDDLE_GREY: f64 = 0.2;
 
 fn depth_help() -> String {
-    format!("Longest path in edges: 1 shows emitters alone, 2 adds direct light [default: {EDGES}]")
+    format!(
+        "Maximum number of edges of a path: 1 shows emitters only, 2 adds direct light \
+         [default: {DEFAULT_EDGES}]"
+    )
 }
 
 const JSON: &str = "strategies.json";
@@ -109,12 +112,15 @@ impl Kind {
     }
 }
 
-/// Loads, renders, writes and sums up.
+/// Loads the scene, renders the techniques, writes the images and prints a summary.
 pub fn run(mut args: Args) -> miette::Result<Outcome> {
-    let limit = args.scene.max_depth.get_or_insert(MaxDepth(Some(EDGES)));
+    let limit = args
+        .scene
+        .max_depth
+        .get_or_insert(MaxDepth(Some(DEFAULT_EDGES)));
     if limit.0.is_none() {
         bail!(
-            "--max-depth -1: each length has techniques of its own, so a limit is needed, such as 5"
+            "--max-depth -1: each path length has its own techniques, so a limit is needed, such as 5"
         );
     }
     let opened = args.scene.open()?;
@@ -152,7 +158,7 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
         say(summary(&args, &found, &shares));
     }
     if found.interrupted {
-        tell("interrupted: the images hold what had been rendered by then");
+        tell("interrupted: the images hold the samples taken so far");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
@@ -172,9 +178,9 @@ fn prepare(directory: &Path, edges: u32) -> miette::Result<()> {
 
 /// Mean luminances of all images, in the order of the techniques.
 struct Shares {
-    /// Without and with weights.
+    /// Unweighted and weighted.
     means: Vec<[f64; 2]>,
-    /// Sum of the weighted ones: the mean luminance of the image.
+    /// Sum of the weighted means: the mean luminance of the image.
     total: f64,
 }
 
@@ -190,7 +196,7 @@ impl Shares {
         }
     }
 
-    /// Part of the image's light that comes by technique number `i`; `None` if there is no light.
+    /// Share of technique `i` in the light of the image; `None` if the image is black.
     fn share(&self, i: usize) -> Option<f64> {
         (self.total > 0.0).then(|| self.means[i][1] / self.total)
     }
@@ -205,8 +211,8 @@ fn edges_of(technique: Technique) -> usize {
     technique.s + technique.t - 1
 }
 
-/// Exposure of each row in stops, from one edge on: whole stops that bring the mean of the row's sum
-/// near [`MIDDLE`]. A row without light stays as it is.
+/// Exposure in stops of the rows for 1, 2, ... edges: whole stops that bring the mean of a row's sum
+/// near [`MIDDLE_GREY`], or 0 for a black row.
 fn exposures(args: &Args, edges: u32, found: &Strategies, shares: &Shares) -> Vec<f64> {
     let row = |k: usize| {
         if let Some(stops) = args.exposure {
@@ -216,8 +222,8 @@ fn exposures(args: &Args, edges: u32, found: &Strategies, shares: &Shares) -> Ve
         let images = images.filter(|(images, _)| edges_of(images.technique) == k);
         let sum: f64 = images.map(|(_, mean)| mean[1]).sum();
         if sum > 0.0 {
-            // 0 added: no number reads -0.
-            (MIDDLE / sum).log2().round() + 0.0
+            // Adding 0 avoids -0.
+            (MIDDLE_GREY / sum).log2().round() + 0.0
         } else {
             0.0
         }
@@ -282,7 +288,7 @@ fn table(found: &Strategies, shares: &Shares) -> Value {
     .collect()
 }
 
-/// The pyramid as a PNG file.
+/// A contact sheet of all techniques as a PNG file.
 fn sheet(
     args: &Args,
     kind: Kind,
@@ -294,7 +300,7 @@ fn sheet(
         let Technique { s, t } = images.technique;
         let image = kind.of(images);
         let note = match (kind, shares.share(i)) {
-            _ if shares.means[i][0] == 0.0 => "nothing found".into(),
+            _ if shares.means[i][0] == 0.0 => "no light".into(),
             (Kind::Weighted, Some(share)) => percent(share),
             _ => format!("mean {:.2e}", shares.means[i][0]),
         };
@@ -321,11 +327,11 @@ fn sheet(
     };
     let rows: Vec<Row> = (1..).zip(exposures).map(row).collect();
     let title = match kind {
-        Kind::Unweighted => "Techniques (s,t) alone, without weights",
+        Kind::Unweighted => "Techniques (s,t), unweighted",
         Kind::Weighted => "Techniques (s,t), weighted: their sum is the image",
     };
     let note = format!(
-        "{}, {} samples per pixel, seed {}; s vertices from the light, t from the camera",
+        "{}, {} samples per pixel, seed {}; s light vertices, t camera vertices",
         args.scene.name()?,
         args.spp,
         args.seed
@@ -350,7 +356,7 @@ fn percent(share: f64) -> String {
     format!("{:.1}%", 100.0 * share)
 }
 
-/// What was written, and by which techniques the light came.
+/// The files written, and the share of each technique in the light of the image.
 fn summary(args: &Args, found: &Strategies, shares: &Shares) -> String {
     let statistics = &found.statistics;
     let [width, height] = statistics.size;

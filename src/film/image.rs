@@ -1,4 +1,4 @@
-//! Images, and what their files say about them.
+//! Images, and the layers and attributes of their files.
 
 use std::collections::BTreeMap;
 
@@ -13,20 +13,20 @@ pub struct Image {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// An image and what its file says beside it.
+/// An image with the other contents of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnnotatedImage {
     /// The image.
     pub image: Image,
-    /// Of OpenEXR files, the other layers that have channels NAME.R, NAME.G and NAME.B, by name; as
-    /// many pixels as the image has.
+    /// Layers of an OpenEXR file that have channels NAME.R, NAME.G and NAME.B, by name; each has as
+    /// many pixels as the image.
     pub layers: BTreeMap<String, Vec<[f32; 3]>>,
-    /// Of OpenEXR files, the texts and numbers that are no standard attributes, by name.
+    /// Attributes of an OpenEXR file that are texts or numbers and not standard ones, by name.
     pub attributes: BTreeMap<String, AttributeValue>,
 }
 
 impl AnnotatedImage {
-    /// An attribute that is a number.
+    /// The value of an attribute that is a number.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.attributes.get(name) {
             Some(AttributeValue::Number(number)) => Some(*number),
@@ -34,7 +34,7 @@ impl AnnotatedImage {
         }
     }
 
-    /// An attribute that is a text.
+    /// The value of an attribute that is a text.
     pub fn text(&self, name: &str) -> Option<&str> {
         match self.attributes.get(name) {
             Some(AttributeValue::Text(text)) => Some(text),
@@ -43,7 +43,7 @@ impl AnnotatedImage {
     }
 }
 
-/// What an image file can say about how it was made.
+/// Value of an attribute of an image file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AttributeValue {
     /// Stored as `string`, in UTF-8.

@@ -1,4 +1,4 @@
-//! From splats to an image: reconstruction filters, sums in f64, EXR and PNG files.
+//! Film and images: reconstruction filters, accumulation in f64, EXR and PNG files.
 
 pub mod accumulate;
 pub mod exr;

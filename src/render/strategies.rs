@@ -261,7 +261,7 @@ impl<'a> Pyramid<'a> {
         let splat_scale = 1.0 / done.max(1) as f64;
         let images = self.techniques.iter().zip(&self.films);
         let images = images.map(|(&technique, films)| {
-            let [unweighted, weighted] = films.each_ref().map(|film| film.develop(splat_scale));
+            let [unweighted, weighted] = films.each_ref().map(|film| film.resolve(splat_scale));
             TechniqueImages {
                 technique,
                 unweighted,

@@ -171,8 +171,11 @@ fn sections_without_data_are_left_out_and_wrong_input_is_explained() {
     for (arguments, message) in [
         ("report empty", "has nothing to report on"),
         ("report empty", "convergence.json or .svg"),
-        ("report none", "there is no such directory; needed is"),
-        ("report room.xml", "it is a file; needed is"),
+        (
+            "report none",
+            "there is no such directory; expected a directory",
+        ),
+        ("report room.xml", "it is a file; expected a directory"),
         ("report broken", "what `metrolight diagnose` writes"),
         ("report broken", "Run diagnose again"),
         ("report svg", "tiles.svg is not what"),

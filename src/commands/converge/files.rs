@@ -1,4 +1,4 @@
-//! What an experiment leaves: tables, charts and images.
+//! The files of an experiment: tables, charts and images.
 
 use std::path::{Path, PathBuf};
 
@@ -23,18 +23,18 @@ const JSON: &str = "convergence.json";
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
 
-/// What an experiment found, and how it was made.
+/// Results of an experiment, and its settings.
 pub struct Results<'a> {
     /// Title of the chart.
     pub scene_name: &'a str,
-    /// What was asked for.
+    /// Settings of the command.
     pub settings: Value,
     pub reference: &'a Reference,
     pub variants: &'a [Variant],
     /// One for each variant.
     pub curves: &'a [Curve],
     pub outcome: &'a Outcome,
-    /// Sentences about what limits the images.
+    /// Sentences for the user.
     pub warnings: &'a [String],
 }
 
@@ -46,8 +46,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Makes `directory` if it is not there, and fails if one of the files could not be written,
-    /// before anybody has spent time on them.
+    /// Makes `directory` if it does not exist. Fails before rendering if one of the files could not be
+    /// written.
     pub fn prepare(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
         output::make_directory(directory)?;
         let files = Self {
@@ -66,7 +66,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Where a variant's image goes, its preview, and the image of its error.
+    /// Paths of a variant's image, of its preview, and of the image of its error.
     fn images(&self, stem: &str) -> [PathBuf; 3] {
         [".exr", ".png", "-error.png"].map(|end| self.path(&format!("{stem}{end}")))
     }
@@ -75,12 +75,12 @@ impl Files {
         self.directory.join(name)
     }
 
-    /// Where a reference is written that was rendered for the experiment.
+    /// Path of a reference that is rendered for the experiment.
     pub fn reference(&self) -> PathBuf {
         self.path("reference.exr")
     }
 
-    /// A line that says what was written where.
+    /// A line about the files that were written.
     pub fn wrote(&self) -> String {
         format!(
             "wrote convergence.svg, .png, .csv, .json and images to {}",
@@ -165,7 +165,7 @@ const COLUMNS: [&str; 15] = [
     "mean_ratio",
 ];
 
-/// One row for each measurement, under a row of names.
+/// A row of names, and one row for each measurement.
 fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;
@@ -199,7 +199,7 @@ fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv:
         .map_err(|error| error.into_error().into())
 }
 
-/// A line for each variant: its last error, and what it takes to be as good as the baseline.
+/// A line for each variant: its final error, and the time to reach the error of the baseline.
 pub fn summary(variants: &[Variant], curves: &[Curve]) -> String {
     let width = variants.iter().map(|v| v.label.len()).max().unwrap_or(0);
     let line = |(i, variant): (usize, &Variant)| {

@@ -1,4 +1,4 @@
-//! One option, several values.
+//! An option of the integrators that takes several values in turn.
 
 use std::fmt;
 
@@ -9,8 +9,7 @@ use metrolight::render::{Integrator, Settings};
 use crate::commands::names::DirectName;
 use crate::commands::values;
 
-/// An option, with the values that it takes in turn. Such options change how a scene
-/// is rendered but not the truth.
+/// An option and its values. Such an option changes the variance of an image but not its mean.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sweep {
     LargeStepProbability(Vec<f32>),
@@ -23,7 +22,7 @@ pub enum Sweep {
     ImportanceMap(Vec<Switch>),
 }
 
-/// Of an option that is there or not.
+/// The value of a switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Switch {
     On,
@@ -43,12 +42,12 @@ fn switch(text: &str) -> Result<Switch, String> {
     match text {
         "on" => Ok(Switch::On),
         "off" => Ok(Switch::Off),
-        _ => Err("on or off is needed".into()),
+        _ => Err("expected on or off".into()),
     }
 }
 
 fn direct(text: &str) -> Result<DirectName, String> {
-    DirectName::from_str(text, false).map_err(|_| "separate or joint is needed".into())
+    DirectName::from_str(text, false).map_err(|_| "expected separate or joint".into())
 }
 
 /// The value parser of `--sweep`.
@@ -65,8 +64,9 @@ pub fn sweep(text: &str) -> Result<Sweep, String> {
         "importance-map" => Sweep::ImportanceMap(all(list, switch)?),
         _ => {
             return Err(
-                "an option and its values are needed: large-step-probability=0.1,0.3, or chains, \
-                 bootstrap, threads, small-step, threshold, direct or importance-map likewise"
+                "expected an option and its values, such as large-step-probability=0.1,0.3; other \
+                 options are chains, bootstrap, threads, small-step, threshold, direct and \
+                 importance-map"
                     .into(),
             );
         }
@@ -74,7 +74,7 @@ pub fn sweep(text: &str) -> Result<Sweep, String> {
 }
 
 fn all<T>(list: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
-    let value = |text| parse(text).map_err(|needed| format!("`{text}`: {needed}"));
+    let value = |text| parse(text).map_err(|error| format!("`{text}`: {error}"));
     list.split(',').map(value).collect()
 }
 
@@ -93,8 +93,8 @@ impl Sweep {
         }
     }
 
-    /// True if the option changes what the integrator does.
-    pub fn means_something_to(&self, integrator: Integrator) -> bool {
+    /// True if the integrator has the option.
+    pub fn applies_to(&self, integrator: Integrator) -> bool {
         match self {
             Self::Threads(_) => true,
             Self::LargeStepProbability(_) | Self::Chains(_) | Self::Bootstrap(_) => {
@@ -107,7 +107,7 @@ impl Sweep {
         }
     }
 
-    /// `settings` with each of the values, and the value as text.
+    /// Each value as text, and `settings` with it.
     pub fn apply(&self, settings: &Settings) -> Vec<(String, Settings)> {
         match self {
             Self::LargeStepProbability(values) => with_each(settings, values, |settings, &p| {
@@ -159,15 +159,11 @@ mod tests {
         let settings = parsed.apply(&Settings::default());
         assert_eq!(settings[0].0, "0.05");
         assert_eq!(settings[1].1.large_step_probability, 0.3);
-        assert!(!parsed.means_something_to(Integrator::Bdpt));
-        assert!(
-            sweep("threads=1,2")
-                .unwrap()
-                .means_something_to(Integrator::Bdpt)
-        );
+        assert!(!parsed.applies_to(Integrator::Bdpt));
+        assert!(sweep("threads=1,2").unwrap().applies_to(Integrator::Bdpt));
         let steps = sweep("small-step=log:0.001:0.01,gaussian:0.02").unwrap();
-        assert!(steps.means_something_to(Integrator::Mmlt));
-        assert!(!steps.means_something_to(Integrator::Bdpt));
+        assert!(steps.applies_to(Integrator::Mmlt));
+        assert!(!steps.applies_to(Integrator::Bdpt));
         let settings = steps.apply(&Settings::new(Integrator::Mmlt));
         assert_eq!(settings[1].0, "gaussian:0.02");
         assert_eq!(settings[0].1.small_step, SmallStep::new(0.001, 0.01));

@@ -1,4 +1,4 @@
-//! `metrolight diagnose`: are the chains in equilibrium, and how much are they worth?
+//! `metrolight diagnose`: tests whether Markov chains are stationary, and measures how well they mix.
 
 mod charts;
 mod text;
@@ -18,12 +18,12 @@ use super::progress::Progress;
 use super::source::SceneArgs;
 use super::{Outcome, interrupt, say, tell, values, warn};
 
-/// Test whether Markov chains are in equilibrium, and measure how well they mix
+/// Test whether Markov chains are stationary, and measure how well they mix
 ///
-/// Chains are started exactly in the target distribution; hypothesis tests then ask whether they still
-/// have it after 1, 8, 64 and 512 steps, whether steps are reversible, and whether b and the weights of
-/// samples agree with plain sampling. All p-values are corrected together. Long chains that start as
-/// a render's do tell how well they mix: R-hat, effective sample sizes, autocorrelation, acceptance.
+/// Chains start exactly in the target distribution. Hypothesis tests check that they still have it
+/// after 1, 8, 64 and 512 steps, that steps are reversible, and that b and the weights of the samples
+/// agree with independent sampling. All p-values are corrected for multiple testing. Long chains that
+/// start like those of a render give R-hat, effective sample sizes, autocorrelation and acceptance.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -39,11 +39,11 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Method whose chains are tested
+    /// Integrator whose chains are tested
     #[arg(long, default_value_t = ChainIntegrator::Pssmlt, value_enum)]
     integrator: ChainIntegrator,
 
-    /// Probability of calling correct chains not stationary
+    /// Significance level: the probability of rejecting correct chains
     #[arg(long, value_name = "A", value_parser = values::level, default_value_t = 1e-3)]
     alpha: f64,
 
@@ -51,15 +51,15 @@ pub struct Args {
     #[arg(long, value_name = "P", value_parser = values::probability)]
     large_step_probability: Option<f32>,
 
-    /// Chains that start in equilibrium, if so many independent starts are found
+    /// Number of chains that start in equilibrium, if there are as many independent starts
     #[arg(long, value_name = "N", value_parser = values::chains, default_value_t = Effort::default().chains as u64)]
     chains: u64,
 
-    /// Steps of each of the long chains
+    /// Number of steps of each long chain
     #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = Effort::default().steps)]
     steps: u64,
 
-    /// Seed of all random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
@@ -71,7 +71,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Directory for diagnose.json, diagnose.txt and charts (SVG); made if it is not there
+    /// Directory for diagnose.json, diagnose.txt and charts (SVG); made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
@@ -95,11 +95,11 @@ impl From<ChainIntegrator> for Integrator {
     }
 }
 
-/// Files that a diagnosis leaves in its directory.
+/// Files in the output directory, besides the charts.
 const JSON_FILE: &str = "diagnose.json";
 const TEXT_FILE: &str = "diagnose.txt";
 
-/// Loads, diagnoses, prints and writes.
+/// Loads the scene, diagnoses the chains, and prints and writes the results.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     if let Some(directory) = &args.output {
         make_directory(directory)?;
