@@ -1,15 +1,15 @@
-//! The chart of error against time and against rays.
+//! Charts of error against time and against rays.
 
 use super::curve::Reached;
 use super::{Cost, Curve, Measure, Variant};
 use crate::plot::{Axis, Chart, Mark, PlotError, Series, draw};
 
-/// Three charts side by side as an SVG document: relMSE against seconds and against rays, and without
-/// the worst 0.1% of the pixels against seconds; a line and a band (least to greatest of all repeats)
-/// for each curve, and the reference's own expected relMSE, if it is known, as a broken line.
+/// Three charts side by side as an SVG document: relMSE against seconds and against rays, and relMSE
+/// without the worst 0.1% of the pixels against seconds. Each curve has a line and a band from the least
+/// to the greatest of all repeats. A dashed line shows the reference's own expected relMSE, if known.
 ///
 /// # Errors
-/// If there is nothing to draw.
+/// If the charts cannot be drawn.
 pub fn convergence_chart(
     title: &str,
     variants: &[Variant],
@@ -103,8 +103,8 @@ fn legend(
     }
 }
 
-/// What variant `i` needs to reach the error that the baseline has at the end: `reaches bdpt's 60 s
-/// error in 4.1 s`. `None` for the baseline itself, and where nothing was measured.
+/// The cost at which variant `i` reaches the final error of the baseline: `reaches bdpt's 60 s error in
+/// 4.1 s`. `None` for the baseline itself, and without measurements.
 pub fn comparison(
     variants: &[Variant],
     curves: &[Curve],
@@ -124,7 +124,7 @@ pub fn comparison(
         match curves.get(i)?.reaches(end.error(measure), cost, measure)? {
             Reached::At(x) => format!("reaches {whose} in {}", amount(x, cost)),
             Reached::Before(x) => format!(
-                "is below {whose} from the first look on, at {}",
+                "is below {whose} from the first measurement on, at {}",
                 amount(x, cost)
             ),
             Reached::Never(ratio) => format!("ends at {ratio:.2} times {whose}"),
@@ -132,7 +132,7 @@ pub fn comparison(
     )
 }
 
-/// `4.1 s`, or `1.2e8 rays`.
+/// A cost with its unit: `4.1 s`, or `1.2e8 rays`.
 fn amount(x: f64, cost: Cost) -> String {
     match cost {
         Cost::Seconds if x < 9.95 => format!("{x:.1} s"),
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn the_legend_says_who_is_how_much_faster() {
+    fn the_legend_compares_with_the_baseline() {
         let variant = |integrator: Integrator| Variant {
             label: integrator.name().into(),
             settings: Settings::new(integrator),

@@ -1,4 +1,4 @@
-//! The runs of an experiment, and what was measured in them.
+//! The renders of an experiment, and the errors measured in them.
 
 use std::time::Instant;
 
@@ -8,52 +8,52 @@ use crate::metrics::{ImageError, image_errors};
 use crate::render::{Moment, Observer, Settings, Warning, render};
 use crate::scene::Scene;
 
-/// A way to render the scene.
+/// Settings that the scene is rendered with.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What it is called in tables and charts.
+    /// Name in tables and charts.
     pub label: String,
-    /// Repeat i adds i to the seed.
+    /// Settings of the first repeat; repeat i adds i to the seed.
     pub settings: Settings,
 }
 
-/// What is to be measured.
+/// An experiment to run.
 pub struct Experiment<'a> {
-    /// What is rendered.
+    /// The scene to render.
     pub scene: &'a Scene,
-    /// The truth, as far as it is known; of the scene's size.
+    /// Image that errors are measured against, of the scene's size.
     pub reference: &'a Image,
-    /// Ways to render it. The first is the baseline that others are compared with.
+    /// Settings to compare. The first variant is the baseline.
     pub variants: &'a [Variant],
-    /// Renders of each.
+    /// Number of renders of each variant.
     pub repeats: u64,
 }
 
-/// One image, measured.
+/// The error of an image at a time of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// Index of the variant.
     pub variant: usize,
-    /// Which repeat, from 0.
+    /// Index of the repeat.
     pub repeat: u64,
-    /// Which of the scheduled moments, from 0: the same in all repeats of a variant.
+    /// Index of the scheduled time, the same in all repeats of a variant.
     pub index: usize,
-    /// How much had been done.
+    /// Work done so far.
     pub moment: Moment,
-    /// Against the reference.
+    /// Error against the reference.
     pub error: ImageError,
 }
 
-/// What came of an experiment.
+/// Results of an experiment.
 #[derive(Debug, Default)]
 pub struct Outcome {
-    /// All measurements, render by render in the order of their making.
+    /// All measurements, in the order in which they were made.
     pub measurements: Vec<Measurement>,
-    /// Per variant, the last image of its first repeat; shorter if the observer stopped before.
+    /// Per variant, the final image of its first repeat; fewer if the observer interrupted.
     pub images: Vec<Image>,
-    /// The observer stopped it: the render that it stopped counts for nothing.
+    /// The observer interrupted. The interrupted render is discarded.
     pub interrupted: bool,
-    /// What limits the images, each with the index of the variant.
+    /// Warnings of all renders, each with the index of its variant.
     pub warnings: Vec<(usize, Warning)>,
 }
 

@@ -1,4 +1,4 @@
-//! An observer that measures the image of a render at moments fixed beforehand.
+//! An observer that measures the error of an image at scheduled times of its render.
 
 use std::sync::Mutex;
 
@@ -6,86 +6,88 @@ use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
 use crate::render::{Budget, Moment, Observer};
 
-/// Measured moments are a factor of sqrt(2) apart: two of them to an octave.
+/// Scheduled times per doubling of the time.
 const PER_OCTAVE: f64 = 2.0;
 
-/// Measured moments, the end included.
-const MOMENTS: usize = 17;
+/// Number of scheduled times, the end included.
+const TIMES: usize = 17;
 
-/// No image is measured before this second: a render needs some time to begin.
-const FIRST_SECOND: f64 = 0.05;
+/// Earliest time of a measurement, in seconds: before it a render may have no image.
+const MIN_SECONDS: f64 = 0.05;
 
-/// Moments at which to measure, in seconds or in samples, ascending; the last is the whole budget.
+/// Times of measurements, in seconds or in samples, ascending. The last one is the whole budget.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Schedule {
-    /// Seconds of rendering.
+    /// Times in seconds of rendering.
     Seconds(Vec<f64>),
-    /// Samples.
+    /// Times in numbers of samples.
     Samples(Vec<f64>),
 }
 
 impl Schedule {
-    /// For a render of `pixels` pixels.
+    /// A schedule for a render of `pixels` pixels.
     pub fn new(budget: Budget, pixels: u64) -> Self {
         match budget {
-            Budget::Seconds(seconds) => Self::Seconds(moments(seconds, FIRST_SECOND)),
+            Budget::Seconds(seconds) => Self::Seconds(times(seconds, MIN_SECONDS)),
             Budget::SamplesPerPixel(n) => {
                 let pixels = pixels as f64;
-                Self::Samples(moments(n as f64 * pixels, pixels))
+                Self::Samples(times(n as f64 * pixels, pixels))
             }
             Budget::Unlimited => Self::Seconds(Vec::new()),
         }
     }
 
-    /// Number of scheduled moments that have come.
+    /// Number of scheduled times that have been reached.
     fn reached(&self, moment: &Moment) -> usize {
-        let (moments, spent) = match self {
-            Self::Seconds(moments) => (moments, moment.seconds),
-            Self::Samples(moments) => (moments, moment.samples as f64),
+        let (times, now) = match self {
+            Self::Seconds(times) => (times, moment.seconds),
+            Self::Samples(times) => (times, moment.samples as f64),
         };
-        moments.partition_point(|&at| at <= spent)
+        times.partition_point(|&time| time <= now)
     }
 
-    /// Number of moments.
+    /// Number of scheduled times.
     pub fn len(&self) -> usize {
         match self {
-            Self::Seconds(moments) | Self::Samples(moments) => moments.len(),
+            Self::Seconds(times) | Self::Samples(times) => times.len(),
         }
     }
 }
 
-/// `last`, and what is before it by powers of the factor down to `first`, ascending.
-fn moments(last: f64, first: f64) -> Vec<f64> {
-    let all = (0..MOMENTS).rev();
-    let moments = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
-    moments.filter(|&at| at >= first || at == last).collect()
+/// Geometrically spaced times from `first` or later to `last`, ascending.
+fn times(last: f64, first: f64) -> Vec<f64> {
+    let all = (0..TIMES).rev();
+    let times = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
+    times
+        .filter(|&time| time >= first || time == last)
+        .collect()
 }
 
-/// An image that was measured.
+/// A measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Measured {
-    /// Which of the scheduled moments it is.
+    /// Index of the scheduled time.
     pub index: usize,
-    /// When it was really measured.
+    /// Work done at the measurement.
     pub moment: Moment,
-    /// What was measured.
+    /// Error against the reference.
     pub error: ImageError,
 }
 
-/// Measures a render against a reference and tells another observer how it goes.
+/// Measures a render against a reference, and forwards its progress to another observer.
 pub(super) struct Recorder<'a> {
     pub inner: &'a dyn Observer,
     pub schedule: &'a Schedule,
     pub reference: &'a Image,
-    /// Renders of the experiment done before this one, and all of them.
+    /// Number of renders before this one, and of all renders of the experiment.
     pub renders: [usize; 2],
-    /// Seconds since the experiment began.
+    /// Seconds since the start of the experiment.
     pub elapsed: &'a (dyn Fn() -> f64 + Sync),
     pub measured: Mutex<Vec<Measured>>,
 }
 
 impl Recorder<'_> {
-    /// Number of scheduled moments that need no measuring any more.
+    /// Number of scheduled times that have been measured or skipped.
     fn done(&self) -> usize {
         let measured = self.measured.lock();
         measured.map_or(0, |m| m.last().map_or(0, |last| last.index + 1))
@@ -109,7 +111,7 @@ impl Observer for Recorder<'_> {
 
     fn wants_to_look(&self, moment: &Moment) -> bool {
         let reached = self.schedule.reached(moment);
-        // The end is measured from the image that the render returns.
+        // The last time is measured from the image that the render returns.
         reached > self.done() && reached < self.schedule.len()
     }
 
@@ -138,30 +140,30 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_geometric_and_end_with_the_budget() {
-        let Schedule::Seconds(moments) = Schedule::new(Budget::Seconds(60.0), 100) else {
+    fn times_are_geometric_and_end_with_the_budget() {
+        let Schedule::Seconds(times) = Schedule::new(Budget::Seconds(60.0), 100) else {
             panic!("a budget of seconds is scheduled in seconds");
         };
-        assert_eq!(moments.len(), MOMENTS);
-        assert_eq!(moments[MOMENTS - 1], 60.0);
-        let ratios = moments.windows(2).map(|pair| pair[1] / pair[0]);
+        assert_eq!(times.len(), TIMES);
+        assert_eq!(times[TIMES - 1], 60.0);
+        let ratios = times.windows(2).map(|pair| pair[1] / pair[0]);
         assert!(ratios.into_iter().all(|r| (r * r - 2.0).abs() < 1e-12));
-        assert!(moments[0] > 0.2 && moments[0] < 0.3);
-        // One sample per pixel is the first image.
+        assert!(times[0] > 0.2 && times[0] < 0.3);
+        // The first image has one sample per pixel.
         let samples = Schedule::new(Budget::SamplesPerPixel(4), 100);
         let expected = [100.0, 141.4, 200.0, 282.8, 400.0];
-        let Schedule::Samples(moments) = &samples else {
+        let Schedule::Samples(times) = &samples else {
             panic!("a budget of samples is scheduled in samples");
         };
-        let near = moments.iter().zip(expected);
-        assert!(moments.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
+        let near = times.iter().zip(expected);
+        assert!(times.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
         assert_eq!(samples.reached(&at(0.0, 99)), 0);
         assert_eq!(samples.reached(&at(0.0, 399)), 4);
         assert_eq!(samples.reached(&at(0.0, 400)), 5);
     }
 
     #[test]
-    fn even_a_tiny_budget_has_its_end() {
+    fn a_tiny_budget_is_measured_at_its_end() {
         assert_eq!(Schedule::new(Budget::Seconds(0.01), 1).len(), 1);
     }
 }

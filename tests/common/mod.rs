@@ -4,6 +4,8 @@
 pub mod compare;
 pub mod comparison;
 pub mod figures;
+#[cfg(unix)]
+pub mod interrupt;
 pub mod page;
 pub mod reference;
 pub mod tiles;
