@@ -133,7 +133,7 @@ fn bias_is_found_only_in_a_biased_image() {
     // One image has no standard errors.
     place.run("compare a.exr a.png").assert().success().stdout(
         contains("not tested: the reference has no standard errors").and(contains(
-            "note             a.png holds no light brighter than 1",
+            "note             a.png holds no values above 1",
         )),
     );
 }

@@ -209,7 +209,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
 
 impl Args {
     fn settings(&self) -> miette::Result<Settings> {
-        // A default until the pilot has chosen; both of its choices have the same settings.
+        // Until the pilot has chosen; both of its choices have the same default settings.
         let integrator = self.integrator.map_or(Integrator::Mmlt, Integrator::from);
         self.check_options(integrator)?;
         let defaults = Settings::new(integrator);
