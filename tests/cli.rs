@@ -118,12 +118,7 @@ fn wrong_arguments_are_explained() {
         ("render room.xml -o room.png", "ends in .exr"),
         ("completions basic", "bash"),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stdout(is_empty())
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     assert_eq!(place.files(), ["room.xml", "sky.xml"]);
 }

@@ -10,7 +10,7 @@ use common::workplace::Workplace;
 use metrolight::film::Image;
 use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Integrator, Moment, Observer, Settings, Unobserved, render};
-use predicates::str::{contains, is_empty};
+use predicates::str::contains;
 
 /// Rows of a CSV file, by column name.
 fn table(place: &Workplace, name: &str) -> Vec<std::collections::HashMap<String, String>> {
@@ -141,22 +141,16 @@ fn wrong_arguments_are_explained() {
         ),
         ("converge room.xml --integrators bdpt -o file", "file"),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stdout(is_empty())
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     place
         .run("render sky.xml --integrator path --spp 1 -o small.exr -q")
         .assert()
         .success();
-    place
-        .run("converge room.xml --integrators bdpt --reference small.exr -o chart")
-        .assert()
-        .code(2)
-        .stderr(contains("6 x 4 pixels, but the scene has 20 x 15"));
+    place.assert_rejects(
+        "converge room.xml --integrators bdpt --reference small.exr -o chart",
+        "6 x 4 pixels, but the scene has 20 x 15",
+    );
 }
 
 /// Asks for every image.

@@ -192,11 +192,7 @@ fn wrong_arguments_are_explained() {
             "expected a number of stops",
         ),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
         assert_eq!(place.files(), before, "{arguments}");
     }
 }

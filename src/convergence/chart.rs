@@ -21,17 +21,17 @@ pub fn convergence_chart(
         (Cost::Rays, Measure::Whole),
         (Cost::Seconds, Measure::Trimmed),
     ];
-    let charts = panels.map(|panel| Chart {
+    let charts = panels.map(|(cost, measure)| Chart {
         title: title.into(),
-        x: Axis::logarithmic(match panel.0 {
+        x: Axis::logarithmic(match cost {
             Cost::Seconds => "seconds of rendering",
             Cost::Rays => "rays",
         }),
-        y: Axis::logarithmic(match panel.1 {
+        y: Axis::logarithmic(match measure {
             Measure::Whole => "relMSE",
             Measure::Trimmed => "relMSE without the worst 0.1% of the pixels",
         }),
-        series: series(variants, curves, reference_error, panel),
+        series: series(variants, curves, reference_error, cost, measure),
     });
     draw(&charts, 3)
 }
@@ -40,7 +40,8 @@ fn series(
     variants: &[Variant],
     curves: &[Curve],
     reference_error: Option<f64>,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> Vec<Series> {
     let ends = curves.iter().flat_map(|curve| {
         let ends = [curve.points.first(), curve.points.last()];
@@ -58,7 +59,7 @@ fn series(
     let line = |(i, curve): (usize, &Curve)| {
         let points = curve.points.iter();
         Series {
-            label: legend(variants, curves, i, (cost, measure)),
+            label: legend(variants, curves, i, cost, measure),
             points: points
                 .clone()
                 .map(|p| [p.cost(cost), p.error(measure)])
@@ -82,14 +83,15 @@ fn legend(
     variants: &[Variant],
     curves: &[Curve],
     i: usize,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> String {
     let label = &variants[i].label;
     let slope = curves[i].slope(cost, measure);
     let slope = slope.map_or_else(String::new, |slope| format!("slope {slope:.2}"));
     let parts = [
         slope,
-        comparison(variants, curves, i, (cost, measure)).unwrap_or_default(),
+        comparison(variants, curves, i, cost, measure).unwrap_or_default(),
     ];
     let said: Vec<&str> = parts
         .iter()
@@ -109,7 +111,8 @@ pub fn comparison(
     variants: &[Variant],
     curves: &[Curve],
     i: usize,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> Option<String> {
     let (baseline, end) = (variants.first()?, curves.first()?.end()?);
     if i == 0 {
@@ -173,12 +176,12 @@ mod tests {
             curve(&[2.0, 1.0, 0.5, 0.25]),
             curve(&[8.0, 4.0, 3.0, 3.0]),
         ];
-        let said = |i| comparison(&variants, &curves, i, (Cost::Seconds, Measure::Whole));
+        let said = |i| comparison(&variants, &curves, i, Cost::Seconds, Measure::Whole);
         assert_eq!(said(0), None);
         assert_eq!(said(1).unwrap(), "reaches bdpt's 8.0 s error in 2.0 s");
         assert_eq!(said(2).unwrap(), "ends at 3.00 times bdpt's 8.0 s error");
         assert_eq!(
-            legend(&variants, &curves, 1, (Cost::Rays, Measure::Trimmed)),
+            legend(&variants, &curves, 1, Cost::Rays, Measure::Trimmed),
             "pssmlt: slope -1.00, reaches bdpt's 8.0e6 rays error in 2.0e6 rays"
         );
         let svg = convergence_chart("title", &variants, &curves, Some(0.1)).unwrap();

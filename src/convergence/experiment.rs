@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use super::recorder::{Measured, Recorder, Schedule};
+use super::recorder::{ExperimentProgress, Recorder};
 use crate::film::Image;
-use crate::metrics::{ImageError, image_errors};
+use crate::metrics::ImageError;
 use crate::render::{Moment, Observer, Settings, Warning, render};
 use crate::scene::Scene;
 
@@ -64,47 +64,42 @@ impl Experiment<'_> {
     /// If the threads of a render cannot be started.
     pub fn run(&self, observer: &dyn Observer) -> Result<Outcome, rayon::ThreadPoolBuildError> {
         observer.phase("rendering");
-        let start = Instant::now();
-        let elapsed = || start.elapsed().as_secs_f64();
         let mut outcome = Outcome::default();
-        let all = self.variants.len() * self.repeats as usize;
-        for done in 0..all {
-            let (variant, repeat) = (done % self.variants.len(), done / self.variants.len());
-            self.render(
-                &mut outcome,
-                [variant, repeat],
-                [done, all],
-                &elapsed,
-                observer,
-            )?;
-            if outcome.interrupted {
-                break;
+        let variants = 0..self.variants.len();
+        let mut progress = ExperimentProgress {
+            start: Instant::now(),
+            done: 0,
+            count: self.repeats * variants.len() as u64,
+        };
+        for repeat in 0..self.repeats {
+            for variant in variants.clone() {
+                let recorder = Recorder::new(
+                    observer,
+                    progress,
+                    self.variants[variant].settings.budget,
+                    self.reference,
+                );
+                self.render(variant, repeat, recorder, &mut outcome)?;
+                if outcome.interrupted {
+                    return Ok(outcome);
+                }
+                progress.done += 1;
             }
         }
         Ok(outcome)
     }
 
+    /// Renders a variant once, and adds its measurements to `outcome`.
     fn render(
         &self,
+        variant: usize,
+        repeat: u64,
+        recorder: Recorder,
         outcome: &mut Outcome,
-        [variant, repeat]: [usize; 2],
-        renders: [usize; 2],
-        elapsed: &(dyn Fn() -> f64 + Sync),
-        observer: &dyn Observer,
     ) -> Result<(), rayon::ThreadPoolBuildError> {
         let settings = &self.variants[variant].settings;
-        let pixels = self.reference.pixels.len() as u64;
-        let schedule = Schedule::new(settings.budget, pixels);
-        let recorder = Recorder {
-            inner: observer,
-            schedule: &schedule,
-            reference: self.reference,
-            renders,
-            elapsed,
-            measured: Vec::new().into(),
-        };
         let settings = Settings {
-            seed: settings.seed.wrapping_add(repeat as u64),
+            seed: settings.seed.wrapping_add(repeat),
             ..settings.clone()
         };
         let rendering = render(self.scene, &settings, &recorder)?;
@@ -112,27 +107,15 @@ impl Experiment<'_> {
             outcome.interrupted = true;
             return Ok(());
         }
-        let statistics = &rendering.statistics;
-        let end = Measured {
-            index: schedule.len().saturating_sub(1),
-            moment: Moment {
-                seconds: statistics.render_seconds,
-                samples: statistics.samples,
-                rays: statistics.closest_hit_rays + statistics.shadow_rays,
-            },
-            error: image_errors(&rendering.image.pixels, &self.reference.pixels),
-        };
-        let measured = recorder.measured.into_inner().unwrap_or_default();
-        let measurement = |m: Measured| Measurement {
+        let measured = recorder.finish(&rendering);
+        let measurements = measured.into_iter().map(|m| Measurement {
             variant,
-            repeat: repeat as u64,
+            repeat,
             index: m.index,
             moment: m.moment,
             error: m.error,
-        };
-        outcome
-            .measurements
-            .extend(measured.into_iter().chain([end]).map(measurement));
+        });
+        outcome.measurements.extend(measurements);
         let warnings = rendering.warnings.into_iter();
         outcome
             .warnings

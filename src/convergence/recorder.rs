@@ -1,10 +1,11 @@
 //! An observer that measures the error of an image at scheduled times of its render.
 
 use std::sync::Mutex;
+use std::time::Instant;
 
 use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
-use crate::render::{Budget, Moment, Observer};
+use crate::render::{Budget, Moment, Observer, Rendering};
 
 /// Scheduled times per doubling of the time.
 const PER_OCTAVE: f64 = 2.0;
@@ -17,7 +18,7 @@ const MIN_SECONDS: f64 = 0.05;
 
 /// Times of measurements, in seconds or in samples, ascending. The last one is the whole budget.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Schedule {
+enum Schedule {
     /// Times in seconds of rendering.
     Seconds(Vec<f64>),
     /// Times in numbers of samples.
@@ -74,23 +75,70 @@ pub(super) struct Measured {
     pub error: ImageError,
 }
 
-/// Measures a render against a reference, and forwards its progress to another observer.
-pub(super) struct Recorder<'a> {
-    pub inner: &'a dyn Observer,
-    pub schedule: &'a Schedule,
-    pub reference: &'a Image,
-    /// Number of renders before this one, and of all renders of the experiment.
-    pub renders: [usize; 2],
-    /// Seconds since the start of the experiment.
-    pub elapsed: &'a (dyn Fn() -> f64 + Sync),
-    pub measured: Mutex<Vec<Measured>>,
+/// Progress of a whole experiment.
+#[derive(Clone, Copy)]
+pub(super) struct ExperimentProgress {
+    /// Start of the experiment.
+    pub start: Instant,
+    /// Number of complete renders.
+    pub done: u64,
+    /// Number of all renders.
+    pub count: u64,
 }
 
-impl Recorder<'_> {
+/// Measures a render against a reference, and forwards its progress to another observer.
+pub(super) struct Recorder<'a> {
+    inner: &'a dyn Observer,
+    progress: ExperimentProgress,
+    schedule: Schedule,
+    reference: &'a Image,
+    measured: Mutex<Vec<Measured>>,
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder of a render with `budget`.
+    pub fn new(
+        inner: &'a dyn Observer,
+        progress: ExperimentProgress,
+        budget: Budget,
+        reference: &'a Image,
+    ) -> Self {
+        Self {
+            inner,
+            progress,
+            schedule: Schedule::new(budget, reference.pixels.len() as u64),
+            reference,
+            measured: Mutex::default(),
+        }
+    }
+
     /// Number of scheduled times that have been measured or skipped.
     fn done(&self) -> usize {
         let measured = self.measured.lock();
         measured.map_or(0, |m| m.last().map_or(0, |last| last.index + 1))
+    }
+
+    fn measure(&self, index: usize, moment: Moment, image: &Image) -> Measured {
+        Measured {
+            index,
+            moment,
+            error: image_errors(&image.pixels, &self.reference.pixels),
+        }
+    }
+
+    /// All measurements of the render, the final image included.
+    pub fn finish(self, rendering: &Rendering) -> Vec<Measured> {
+        let statistics = &rendering.statistics;
+        let moment = Moment {
+            seconds: statistics.render_seconds,
+            samples: statistics.samples,
+            rays: statistics.closest_hit_rays + statistics.shadow_rays,
+        };
+        let last = self.schedule.len().saturating_sub(1);
+        let end = self.measure(last, moment, &rendering.image);
+        let mut measured = self.measured.into_inner().unwrap_or_default();
+        measured.push(end);
+        measured
     }
 }
 
@@ -98,9 +146,9 @@ impl Observer for Recorder<'_> {
     fn phase(&self, _name: &str) {}
 
     fn progress(&self, fraction: f64, _seconds_left: Option<f64>) {
-        let [before, all] = self.renders.map(|n| n as f64);
-        let done = (before + fraction) / all;
-        let left = (self.elapsed)() * (1.0 / done - 1.0);
+        let ExperimentProgress { start, done, count } = self.progress;
+        let done = (done as f64 + fraction) / count as f64;
+        let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         let known = left.is_finite() && done > 0.01;
         self.inner.progress(done, known.then_some(left));
     }
@@ -116,11 +164,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn look(&self, moment: &Moment, image: &Image) {
-        let measured = Measured {
-            index: self.schedule.reached(moment) - 1,
-            moment: *moment,
-            error: image_errors(&image.pixels, &self.reference.pixels),
-        };
+        let measured = self.measure(self.schedule.reached(moment) - 1, *moment, image);
         if let Ok(mut all) = self.measured.lock() {
             all.push(measured);
         }

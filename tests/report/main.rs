@@ -13,7 +13,7 @@ use base64::engine::general_purpose::STANDARD;
 use common::page::Page;
 use common::workplace::Workplace;
 use metrolight::film::{AttributeValue, Image, write_exr, write_png};
-use predicates::str::{contains, is_empty};
+use predicates::str::contains;
 use serde_json::{Value, json};
 
 /// A page with the results of all commands.
@@ -184,8 +184,7 @@ fn empty_sections_are_left_out_and_wrong_input_is_explained() {
         ("report empty -o no/page.html", "no directory no"),
         ("report", "<DIR>"),
     ] {
-        let assert = place.run(arguments).assert();
-        assert.code(2).stdout(is_empty()).stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     assert!(!place.path("empty/report.html").exists());
     assert!(!place.path("broken/report.html").exists());

@@ -120,8 +120,7 @@ impl Files {
     fn summary_json(&self, results: &Results) -> Value {
         let (variants, curves) = (results.variants, results.curves);
         let of = |(i, variant): (usize, &Variant)| {
-            let comparison =
-                |cost: Cost, measure: Measure| comparison(variants, curves, i, (cost, measure));
+            let comparison = |cost, measure| comparison(variants, curves, i, cost, measure);
             json!({
                 "label": variant.label,
                 "integrator": variant.settings.integrator,
@@ -204,7 +203,7 @@ pub fn summary(variants: &[Variant], curves: &[Curve]) -> String {
     let width = variants.iter().map(|v| v.label.len()).max().unwrap_or(0);
     let line = |(i, variant): (usize, &Variant)| {
         let end = curves[i].end()?;
-        let said = comparison(variants, curves, i, (Cost::Seconds, Measure::Whole));
+        let said = comparison(variants, curves, i, Cost::Seconds, Measure::Whole);
         let said = said.map_or_else(String::new, |said| format!("; {said}"));
         Some(format!(
             "{:width$}  relMSE {} ({} to {}), without the worst 0.1% {}, after {:.1} s{said}",
