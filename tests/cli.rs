@@ -391,7 +391,7 @@ fn check_and_render_warn_of_lost_light() {
     assert!(place.path("lost-caustic.exr").exists());
 }
 
-/// A closed white room that shines, with paths of any length: told of, until the length is limited.
+/// A closed white room that emits light, with unlimited paths. A limit removes the warning.
 #[test]
 fn check_and_render_warn_of_trapped_light() {
     const FURNACE: &str = r#"<scene version="3.0.0">

@@ -8,7 +8,7 @@ use metrolight::scene::{Material, Scene};
 
 use super::numbers::quantity;
 use super::source::SceneArgs;
-use super::{Outcome, say, warn};
+use super::{Outcome, print, warn};
 
 /// Load a scene, list what it contains, and warn of light that cannot be found
 #[derive(clap::Args)]
@@ -25,11 +25,11 @@ pub struct Args {
 /// Prints the scene on stdout and warnings on stderr.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
-    say(args.scene.path.display());
+    print(args.scene.path.display());
     for (what, text) in describe(&opened.scene) {
-        say(format_args!("  {what:<10} {text}"));
+        print(format_args!("  {what:<10} {text}"));
     }
-    say(format_args!("  {:<10} {}", "time", opened.times()));
+    print(format_args!("  {:<10} {}", "time", opened.times()));
     warn(&opened.warnings);
     warn(opened.lost_light(Sampler::Bidirectional));
     Ok(Outcome::Done)

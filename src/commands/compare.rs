@@ -13,7 +13,7 @@ use super::comparison::{Comparison, FILES};
 use super::input::read;
 use super::output::STANDARD_ERROR;
 use super::progress::Progress;
-use super::{Outcome, interrupt, say, tell};
+use super::{Outcome, eprint, interrupt, print};
 
 /// Compare an image with a reference
 ///
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     }
     interrupt::listen()?;
     let Some(comparison) = compare(args, &image, &reference) else {
-        tell("interrupted: nothing is written");
+        eprint("interrupted: nothing is written");
         return Ok(Outcome::Interrupted);
     };
     let report = comparison.json(&image.image);
@@ -78,9 +78,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         comparison.write(directory, a, b, &report)?;
     }
     if args.json {
-        say(format_args!("{report:#}"));
+        print(format_args!("{report:#}"));
     } else {
-        say(comparison.text(args.output.as_deref()));
+        print(comparison.text(args.output.as_deref()));
     }
     Ok(Outcome::Done)
 }

@@ -3,7 +3,7 @@
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-use super::{Cli, Outcome, say};
+use super::{Cli, Outcome, print};
 
 /// Print a completion script for a shell
 #[derive(clap::Args)]
@@ -19,6 +19,6 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "metrolight", &mut script);
-    say(String::from_utf8_lossy(&script).trim_end());
+    print(String::from_utf8_lossy(&script).trim_end());
     Outcome::Done
 }

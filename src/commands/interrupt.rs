@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use miette::IntoDiagnostic;
 
-use super::{INTERRUPTED, tell};
+use super::{INTERRUPTED, eprint};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
@@ -14,7 +14,7 @@ pub fn listen() -> miette::Result<()> {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        tell("stopping; press Ctrl-C again to quit at once");
+        eprint("stopping; press Ctrl-C again to quit at once");
     })
     .into_diagnostic()
 }

@@ -101,19 +101,19 @@ pub fn run() -> miette::Result<Outcome> {
 }
 
 /// Prints a line on stdout. A closed pipe (`| head`) is not an error.
-fn say(text: impl Display) {
+fn print(text: impl Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 /// Prints a line on stderr. A closed pipe is not an error.
-pub fn tell(text: impl Display) {
+pub fn eprint(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints warnings on stderr, even with --quiet.
 fn warn(warnings: impl IntoIterator<Item = impl Display>) {
     for warning in warnings {
-        tell(format_args!("warning: {warning}"));
+        eprint(format_args!("warning: {warning}"));
     }
 }
 
@@ -126,4 +126,32 @@ pub fn install_reports() {
         let options = MietteHandlerOpts::new();
         Box::new(options.break_words(false).wrap_lines(wrap).build())
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use clap::CommandFactory;
+
+    use super::Cli;
+
+    #[test]
+    fn arguments_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn flags_in_warnings_are_options() {
+        let command = Cli::command();
+        let arguments = command
+            .get_subcommands()
+            .flat_map(|command| command.get_arguments());
+        let options: BTreeSet<&str> = arguments.filter_map(|option| option.get_long()).collect();
+        let is_letter = |c: char| c.is_ascii_lowercase() || c == '-';
+        for text in include_str!("wording.rs").split("--").skip(1) {
+            let flag = text.split(|c| !is_letter(c)).next().unwrap_or_default();
+            assert!(options.contains(flag), "--{flag}");
+        }
+    }
 }

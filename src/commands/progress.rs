@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use metrolight::render::Observer;
 
 use super::numbers::duration;
-use super::{interrupt, tell};
+use super::{eprint, interrupt};
 
 /// Time between two lines of a phase if stderr is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(30);
@@ -41,7 +41,7 @@ impl Lines {
             Some(last) => last.elapsed() >= BETWEEN_LINES,
         };
         if due {
-            tell(format_args!(
+            eprint(format_args!(
                 "{}: {:.0}% {left}",
                 self.phase,
                 100.0 * fraction

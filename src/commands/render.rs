@@ -11,7 +11,7 @@ use super::names::{DirectName, IntegratorName};
 use super::output::Outputs;
 use super::run_args::RunArgs;
 use super::source::SceneArgs;
-use super::{Outcome, interrupt, replay, say, statistics, tell, values, warn, wording};
+use super::{Outcome, eprint, interrupt, print, replay, statistics, values, warn, wording};
 
 /// Render a scene
 ///
@@ -162,7 +162,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     let mut warnings = opened.warnings.clone();
     warn(&warnings);
     if !args.run.quiet {
-        tell(opened.times());
+        eprint(opened.times());
     }
     let progress = args.run.progress();
     // All integrators that the pilot may choose have the same sampler.
@@ -171,14 +171,14 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         let choice = choose(&opened.scene, &settings, &lost, &progress).into_diagnostic()?;
         settings.integrator = choice.integrator;
         if !args.run.quiet {
-            tell(wording::choice(&choice));
+            eprint(wording::choice(&choice));
         }
     }
     let lost: Vec<String> = lost.iter().map(wording::lost_light).collect();
     warn(&lost);
     warnings.extend(lost);
     if interrupt::requested() {
-        tell("interrupted before rendering began: nothing is written");
+        eprint("interrupted before rendering began: nothing is written");
         return Ok(Outcome::Interrupted);
     }
 
@@ -192,16 +192,16 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
 
     // Write.
     if rendering.interrupted && rendering.statistics.samples == 0 {
-        tell("interrupted before the first sample: nothing is written");
+        eprint("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
     }
     let report = statistics::json(&args.scene, &opened, &settings, &rendering, &warnings);
     outputs.write(&rendering, &report.into_diagnostic()?)?;
     if !args.run.quiet {
-        say(statistics::summary(&outputs, &rendering));
+        print(statistics::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
-        tell("interrupted: the image holds the samples taken so far");
+        eprint("interrupted: the image holds the samples taken so far");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)

@@ -12,7 +12,7 @@ use miette::bail;
 
 use super::names::IntegratorName;
 use super::source::SceneArgs;
-use super::{Outcome, say, tell, values, warn};
+use super::{Outcome, eprint, print, values, warn};
 
 /// Repeat one sample of a render and show its paths
 ///
@@ -61,7 +61,7 @@ const MAX_COMMANDS: usize = 8;
 /// Prints command lines that replay the first samples of a render that were not finite.
 pub fn print_commands(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
     for &origin in statistics.non_finite_origins.iter().take(MAX_COMMANDS) {
-        tell(format_args!(
+        eprint(format_args!(
             "not finite: {}",
             command(scene, settings, origin)
         ));
@@ -105,7 +105,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         Ok(replay) => replay,
         Err(error) => bail!("--at {}: {error}", args.at),
     };
-    say(format_args!(
+    print(format_args!(
         "{} of {}, {}, seed {}",
         args.at,
         args.scene.path.display(),
@@ -125,19 +125,19 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         replay.workspace.light_vertices(),
     );
     if replay.connections.is_empty() {
-        say("no technique found light");
+        print("no technique found light");
     }
     for (technique, connection) in &replay.connections {
-        say(connection_line(scene, &replay, *technique, connection));
+        print(connection_line(scene, &replay, *technique, connection));
     }
     Ok(Outcome::Done)
 }
 
 fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
-    say(format_args!("{name}: {} surface vertices", vertices.len()));
+    print(format_args!("{name}: {} surface vertices", vertices.len()));
     for (i, vertex) in (1..).zip(vertices) {
         let surface = &vertex.surface;
-        say(format_args!(
+        print(format_args!(
             "  {letter}_{i} at {} on {}, {}; alpha {}",
             triple(scene.to_world(surface.position)),
             scene.geometry.shape_name(surface.shape),

@@ -11,12 +11,12 @@ use metrolight::render::{Budget, Integrator, Settings, Warning};
 use miette::{IntoDiagnostic, bail};
 
 use self::files::{Files, Results};
-use self::reference::Effort;
+use self::reference::RenderOptions;
 use self::sweep::Sweep;
 use super::names::IntegratorName;
 use super::run_args::RunArgs;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, interrupt, output, say, tell, values, warn, wording};
+use super::{Outcome, eprint, interrupt, output, print, values, warn, wording};
 
 /// Chart the error of integrators against time
 ///
@@ -111,18 +111,18 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let reference = match &args.reference {
         Some(path) => reference::read(path, &opened.scene)?,
         None => {
-            let effort = args.reference_effort();
+            let options = args.reference_options();
             let rendered =
-                reference::render(&args.scene, &opened, effort, &files.reference(), &progress)?;
+                reference::render(&args.scene, &opened, options, &files.reference(), &progress)?;
             let Some(reference) = rendered else {
-                tell("interrupted before the reference was complete: nothing is measured");
+                eprint("interrupted before the reference was complete: nothing is measured");
                 return Ok(Outcome::Interrupted);
             };
             reference
         }
     };
     if !args.run.quiet {
-        say(&reference.description);
+        print(&reference.description);
     }
 
     // Measure.
@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let warnings = limits(&outcome.warnings, &variants);
     warn(&warnings);
     if outcome.measurements.is_empty() {
-        tell("interrupted before the first render was complete: nothing is charted");
+        eprint("interrupted before the first render was complete: nothing is charted");
         return Ok(Outcome::Interrupted);
     }
 
@@ -156,11 +156,11 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     })?;
     warn(reference.doubt(&curves));
     if !args.run.quiet {
-        say(files::summary(&variants, &curves));
-        say(files.wrote());
+        print(files::summary(&variants, &curves));
+        print(files.wrote());
     }
     if outcome.interrupted {
-        tell("interrupted: the chart holds the complete renders");
+        eprint("interrupted: the chart holds the complete renders");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
@@ -247,7 +247,7 @@ impl Args {
         Ok(variants)
     }
 
-    fn reference_effort(&self) -> Effort {
+    fn reference_options(&self) -> RenderOptions {
         let measured = |integrator| {
             let mut names = self.integrators.iter();
             names.any(|&name| Integrator::from(name) == integrator)
@@ -258,7 +258,7 @@ impl Args {
             None if measured(Integrator::Pssmlt) => Integrator::Pssmlt,
             None => Integrator::Bdpt,
         };
-        Effort {
+        RenderOptions {
             integrator,
             budget: match self.budget() {
                 Budget::SamplesPerPixel(n) => {

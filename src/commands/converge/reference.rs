@@ -52,7 +52,7 @@ pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
 }
 
 /// How a reference is rendered.
-pub struct Effort {
+pub struct RenderOptions {
     pub integrator: Integrator,
     pub budget: Budget,
     pub seed: u64,
@@ -63,16 +63,16 @@ pub struct Effort {
 pub fn render(
     args: &SceneArgs,
     opened: &Opened,
-    effort: Effort,
+    options: RenderOptions,
     path: &Path,
     progress: &Progress,
 ) -> miette::Result<Option<Reference>> {
     let settings = Settings {
-        budget: effort.budget,
-        seed: effort.seed,
-        threads: effort.threads,
+        budget: options.budget,
+        seed: options.seed,
+        threads: options.threads,
         error: true,
-        ..Settings::new(effort.integrator)
+        ..Settings::new(options.integrator)
     };
     let rendering = render::render(&opened.scene, &settings, progress).into_diagnostic()?;
     progress.finish();
@@ -88,11 +88,11 @@ pub fn render(
     let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
     output::write_rendering(path, &rendering, &report)?;
     let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
-    let spent = match effort.budget {
+    let spent = match options.budget {
         Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),
         Budget::Seconds(_) | Budget::Unlimited => duration(rendering.statistics.render_seconds),
     };
-    let name = effort.integrator.name();
+    let name = options.integrator.name();
     let description = format!("reference: {name}, {spent}; {}", trust(relative_mse));
     Ok(Some(Reference {
         image: rendering.image,

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
 use super::source::SceneArgs;
-use super::{Outcome, interrupt, say, tell, values, warn};
+use super::{Outcome, eprint, interrupt, print, values, warn};
 
 /// Test whether Markov chains are stationary, and measure how well they mix
 ///
@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let diagnosis = match diagnose(&subject, &effort, &progress) {
         Err(DiagnoseError::Interrupted) => {
             progress.finish();
-            tell("interrupted: nothing is written");
+            eprint("interrupted: nothing is written");
             return Ok(Outcome::Interrupted);
         }
         done => done.into_diagnostic()?,
@@ -130,13 +130,13 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let json = args.report(&effort, &diagnosis, &verdict)?;
     let text = format!("{verdict}\n\n{}", text::tables(&diagnosis, args.alpha));
     if args.json {
-        say(format_args!("{json:#}"));
+        print(format_args!("{json:#}"));
     } else {
-        say(&text);
+        print(&text);
     }
     if let Some(directory) = &args.output {
         write_all(directory, &json, &text, &diagnosis)?;
-        tell(format_args!(
+        eprint(format_args!(
             "wrote {JSON_FILE}, {TEXT_FILE} and charts to {}",
             directory.display()
         ));

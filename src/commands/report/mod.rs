@@ -15,7 +15,7 @@ use miette::{IntoDiagnostic, bail};
 use self::folder::{EXPECTED, Folder};
 use self::page::{Page, SCRIPT, STYLE, Viewer};
 use super::output::write_text;
-use super::{Outcome, say, values, warn};
+use super::{Outcome, print, values, warn};
 
 /// Make one HTML page of the results of other commands in a directory
 ///
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     }
     write_text(&output, &page.render().into_diagnostic()?)?;
     if !args.quiet {
-        say(format_args!(
+        print(format_args!(
             "wrote {}: {}",
             output.display(),
             shown.join(", ")

@@ -1,23 +1,24 @@
 //! `metrolight strategies`: an image for each technique (s, t) of bidirectional path tracing.
 
+mod shares;
+mod sheet;
+
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{Image, check_writable, srgb_bytes, write_exr};
+use metrolight::film::{check_writable, write_exr};
 use metrolight::integrators::{Sampler, Technique};
-use metrolight::math::{Rgb, luminance};
-use metrolight::plot::{Cell, Picture, Row, draw_contact_sheet, rasterize};
 use metrolight::render::strategies::check;
-use metrolight::render::{
-    Budget, Integrator, Settings, Strategies, TechniqueImages, strategies, techniques,
-};
+use metrolight::render::{Budget, Integrator, Settings, Strategies, strategies, techniques};
 use miette::{IntoDiagnostic, bail};
 use serde_json::{Value, json};
 
+use self::shares::{Kind, Shares, edges_of, edges_text, percent};
+use self::sheet::{exposures, sheet};
 use super::numbers::{duration, quantity};
 use super::run_args::RunArgs;
 use super::source::SceneArgs;
 use super::values::MaxDepth;
-use super::{Outcome, interrupt, output, replay, say, tell, values, warn, wording};
+use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, wording};
 
 /// Render each technique (s, t) of bidirectional path tracing separately
 ///
@@ -67,49 +68,13 @@ pub struct Args {
 /// Default maximum number of edges: 19 techniques, which fit on a sheet.
 const DEFAULT_EDGES: u32 = 5;
 
-/// Mean luminance of a row's sum on the sheet, roughly: middle grey.
-const MIDDLE_GREY: f64 = 0.2;
+const JSON: &str = "strategies.json";
 
 fn depth_help() -> String {
     format!(
         "Maximum number of edges of a path: 1 shows emitters only, 2 adds direct light \
          [default: {DEFAULT_EDGES}]"
     )
-}
-
-const JSON: &str = "strategies.json";
-
-/// The two images of a technique.
-#[derive(Clone, Copy)]
-enum Kind {
-    Unweighted,
-    Weighted,
-}
-
-impl Kind {
-    const ALL: [Self; 2] = [Self::Unweighted, Self::Weighted];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Unweighted => "unweighted",
-            Self::Weighted => "weighted",
-        }
-    }
-
-    fn of(self, images: &TechniqueImages) -> &Image {
-        match self {
-            Self::Unweighted => &images.unweighted,
-            Self::Weighted => &images.weighted,
-        }
-    }
-
-    fn exr(self, Technique { s, t }: Technique) -> String {
-        format!("{}_s{s}_t{t}.exr", self.name())
-    }
-
-    fn sheet(self) -> String {
-        format!("{}.png", self.name())
-    }
 }
 
 /// Loads the scene, renders the techniques, writes the images and prints a summary.
@@ -137,28 +102,28 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
     warnings.extend(opened.lost_light(Sampler::Bidirectional));
     warn(&warnings);
     if !args.run.quiet {
-        tell(opened.times());
+        eprint(opened.times());
     }
 
     let progress = args.run.progress();
-    let found = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
+    let rendering = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    let limits: Vec<String> = found.warnings.iter().map(wording::warning).collect();
+    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
     warn(&limits);
     warnings.extend(limits);
-    replay::print_commands(&args.scene, &settings, &found.statistics);
-    if found.interrupted && found.statistics.samples == 0 {
-        tell("interrupted before the first sample: nothing is written");
+    replay::print_commands(&args.scene, &settings, &rendering.statistics);
+    if rendering.interrupted && rendering.statistics.samples == 0 {
+        eprint("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
     }
 
-    let shares = Shares::of(&found);
-    write(&args, edges, &found, &shares, &warnings)?;
+    let shares = Shares::of(&rendering);
+    write(&args, edges, &rendering, &shares, &warnings)?;
     if !args.run.quiet {
-        say(summary(&args, &found, &shares));
+        print(summary(&args, &rendering, &shares));
     }
-    if found.interrupted {
-        tell("interrupted: the images hold the samples taken so far");
+    if rendering.interrupted {
+        eprint("interrupted: the images hold the samples taken so far");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
@@ -176,65 +141,11 @@ fn prepare(directory: &Path, edges: u32) -> miette::Result<()> {
     check_writable(&directory.join(JSON)).into_diagnostic()
 }
 
-/// Mean luminances of all images, in the order of the techniques.
-struct Shares {
-    /// Unweighted and weighted.
-    means: Vec<[f64; 2]>,
-    /// Sum of the weighted means: the mean luminance of the image.
-    total: f64,
-}
-
-impl Shares {
-    fn of(found: &Strategies) -> Self {
-        let images = found.images.iter();
-        let means: Vec<[f64; 2]> = images
-            .map(|images| Kind::ALL.map(|kind| mean_luminance(kind.of(images))))
-            .collect();
-        Self {
-            total: means.iter().map(|mean| mean[1]).sum(),
-            means,
-        }
-    }
-
-    /// Share of technique `i` in the light of the image; `None` if the image is black.
-    fn share(&self, i: usize) -> Option<f64> {
-        (self.total > 0.0).then(|| self.means[i][1] / self.total)
-    }
-}
-
-fn mean_luminance(image: &Image) -> f64 {
-    let luminances = image.pixels.iter().map(|&p| luminance(Rgb::from(p)));
-    luminances.map(f64::from).sum::<f64>() / image.pixels.len() as f64
-}
-
-fn edges_of(technique: Technique) -> usize {
-    technique.s + technique.t - 1
-}
-
-/// Exposure in stops of the rows for 1, 2, ... edges: whole stops that bring the mean of a row's sum
-/// near [`MIDDLE_GREY`], or 0 for a black row.
-fn exposures(args: &Args, edges: u32, found: &Strategies, shares: &Shares) -> Vec<f64> {
-    let row = |k: usize| {
-        if let Some(stops) = args.exposure {
-            return stops;
-        }
-        let images = found.images.iter().zip(&shares.means);
-        let images = images.filter(|(images, _)| edges_of(images.technique) == k);
-        let sum: f64 = images.map(|(_, mean)| mean[1]).sum();
-        if sum > 0.0 {
-            // Adding 0 avoids -0.
-            (MIDDLE_GREY / sum).log2().round() + 0.0
-        } else {
-            0.0
-        }
-    };
-    (1..=edges as usize).map(row).collect()
-}
-
+/// Writes the images, the contact sheets and the JSON file.
 fn write(
     args: &Args,
     edges: u32,
-    found: &Strategies,
+    rendering: &Strategies,
     shares: &Shares,
     warnings: &[String],
 ) -> miette::Result<()> {
@@ -244,11 +155,11 @@ fn write(
         "defines": args.scene.defines.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "max_depth": edges,
         "samples_per_pixel": args.spp,
-        "statistics": found.statistics,
-        "interrupted": found.interrupted,
+        "statistics": rendering.statistics,
+        "interrupted": rendering.interrupted,
         "warnings": warnings,
     });
-    for images in &found.images {
+    for images in &rendering.images {
         for kind in Kind::ALL {
             let Technique { s, t } = images.technique;
             let mut attributes = output::attributes(&report);
@@ -259,19 +170,28 @@ fn write(
             write_exr(&path, kind.of(images), &[], &attributes).into_diagnostic()?;
         }
     }
-    let exposures = exposures(args, edges, found, shares);
+    let exposures = match args.exposure {
+        Some(stops) => vec![stops; edges as usize],
+        None => exposures(edges, rendering, shares),
+    };
+    let note = format!(
+        "{}, {} samples per pixel, seed {}; s light vertices, t camera vertices",
+        args.scene.name()?,
+        args.spp,
+        args.seed
+    );
     for kind in Kind::ALL {
-        let png = sheet(args, kind, found, shares, &exposures)?;
+        let png = sheet(kind, rendering, shares, &exposures, &note)?;
         output::write_bytes(&args.output.join(kind.sheet()), &png)?;
     }
     report["mean_luminance"] = json!(shares.total);
     report["exposures"] = json!(exposures);
-    report["techniques"] = table(found, shares);
+    report["techniques"] = table(rendering, shares);
     output::write_json(&args.output.join(JSON), &report)
 }
 
-fn table(found: &Strategies, shares: &Shares) -> Value {
-    let rows = found.images.iter().enumerate();
+fn table(rendering: &Strategies, shares: &Shares) -> Value {
+    let rows = rendering.images.iter().enumerate();
     rows.map(|(i, images)| {
         let technique = images.technique;
         json!({
@@ -288,92 +208,27 @@ fn table(found: &Strategies, shares: &Shares) -> Value {
     .collect()
 }
 
-/// A contact sheet of all techniques as a PNG file.
-fn sheet(
-    args: &Args,
-    kind: Kind,
-    found: &Strategies,
-    shares: &Shares,
-    exposures: &[f64],
-) -> miette::Result<Vec<u8>> {
-    let cell = |i: usize, images: &TechniqueImages, stops: f64| {
-        let Technique { s, t } = images.technique;
-        let image = kind.of(images);
-        let note = match (kind, shares.share(i)) {
-            _ if shares.means[i][0] == 0.0 => "no light".into(),
-            (Kind::Weighted, Some(share)) => percent(share),
-            _ => format!("mean {:.2e}", shares.means[i][0]),
-        };
-        Cell {
-            label: format!("({s},{t}): {note}"),
-            picture: Picture {
-                width: image.width,
-                height: image.height,
-                rgb: srgb_bytes(image, stops.exp2()),
-            },
-        }
-    };
-    let row = |(k, &stops): (usize, &f64)| {
-        let images = found.images.iter().enumerate();
-        let images = images.filter(|(_, images)| edges_of(images.technique) == k);
-        Row {
-            title: format!(
-                "{}, exposure {stops:+} {}",
-                edges_text(k),
-                stops_text(stops)
-            ),
-            cells: images.map(|(i, images)| cell(i, images, stops)).collect(),
-        }
-    };
-    let rows: Vec<Row> = (1..).zip(exposures).map(row).collect();
-    let title = match kind {
-        Kind::Unweighted => "Techniques (s,t), unweighted",
-        Kind::Weighted => "Techniques (s,t), weighted: their sum is the image",
-    };
-    let note = format!(
-        "{}, {} samples per pixel, seed {}; s light vertices, t camera vertices",
-        args.scene.name()?,
-        args.spp,
-        args.seed
-    );
-    let svg = draw_contact_sheet([title, &note], &rows).into_diagnostic()?;
-    rasterize(&svg, 1.0).into_diagnostic()
-}
-
-fn edges_text(k: usize) -> String {
-    if k == 1 {
-        "1 edge".into()
-    } else {
-        format!("{k} edges")
-    }
-}
-
-fn stops_text(stops: f64) -> &'static str {
-    if stops.abs() == 1.0 { "stop" } else { "stops" }
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1}%", 100.0 * share)
-}
-
 /// The files written, and the share of each technique in the light of the image.
-fn summary(args: &Args, found: &Strategies, shares: &Shares) -> String {
-    let statistics = &found.statistics;
+fn summary(args: &Args, rendering: &Strategies, shares: &Shares) -> String {
+    let statistics = &rendering.statistics;
     let [width, height] = statistics.size;
     let directory = args.output.display();
     let mut lines = vec![
         format!(
             "wrote {directory}/weighted.png, unweighted.png, {JSON} and {} images: {width} x {height} \
              pixels, {} samples in {}",
-            2 * found.images.len(),
+            2 * rendering.images.len(),
             quantity(statistics.samples as f64),
             duration(statistics.render_seconds),
         ),
         "share of the image's light by technique (s,t):".into(),
     ];
-    let edges = found.images.iter().map(|images| edges_of(images.technique));
+    let edges = rendering
+        .images
+        .iter()
+        .map(|images| edges_of(images.technique));
     for k in 1..=edges.max().unwrap_or(0) {
-        let images = found.images.iter().enumerate();
+        let images = rendering.images.iter().enumerate();
         let images = images.filter(|(_, images)| edges_of(images.technique) == k);
         let cells = images.map(|(i, images)| {
             let Technique { s, t } = images.technique;
