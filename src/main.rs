@@ -9,7 +9,7 @@ fn main() -> ExitCode {
     match commands::run() {
         Ok(outcome) => outcome.exit_code(),
         Err(report) => {
-            commands::tell(format_args!("{report:?}"));
+            commands::eprint(format_args!("{report:?}"));
             ExitCode::from(commands::BAD_INPUT)
         }
     }

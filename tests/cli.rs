@@ -1,4 +1,4 @@
-//! The command line as a user meets it: exit codes, files and messages.
+//! The command line: exit codes, files and messages.
 
 mod common;
 
@@ -16,7 +16,7 @@ fn repository(path: &str) -> PathBuf {
 }
 
 #[test]
-fn the_image_is_called_like_the_scene() {
+fn the_image_is_named_after_the_scene() {
     let place = Workplace::new();
     let summary = contains("wrote room.exr and room.png: 20 x 15 pixels")
         .and(contains("path: 300 samples (1 per pixel)"));
@@ -33,7 +33,7 @@ fn the_image_is_called_like_the_scene() {
     assert_eq!((image.width, image.height), (20, 15));
     assert!(image.pixels.iter().any(|p| p[0] > 0.0));
 
-    // A file named `scene` goes by its folder.
+    // A file named `scene` takes the name of its directory.
     fs::create_dir(place.path("pool.2")).expect("created");
     fs::copy(place.path("sky.xml"), place.path("pool.2/scene.xml")).expect("copied");
     place
@@ -66,7 +66,7 @@ fn size_depth_and_variables_override_the_scene() {
     );
     assert_eq!(place.json("s.json")["max_depth"], Value::Null);
 
-    // Depth 1 shows emitters alone, and the camera sees none of the room's lamp.
+    // Depth 1 shows emitters only, and the lamp is outside the camera's view.
     place
         .run("render room.xml --integrator path --spp 4 --max-depth 1")
         .assert()
@@ -80,7 +80,7 @@ fn wrong_arguments_are_explained() {
     for (arguments, message) in [
         ("paint room.xml", "unrecognized subcommand 'paint'"),
         ("render room.xml --sp 1", "unexpected argument '--sp'"),
-        ("render room.xml --spp 0", "from 1 on"),
+        ("render room.xml --spp 0", "at least 1"),
         ("render room.xml --spp 1 --time 1s", "cannot be used with"),
         ("render room.xml --time 0s", "60s, 2m, 1.5h"),
         ("render room.xml --time 5x", "60s, 2m, 1.5h"),
@@ -97,7 +97,7 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "render room.xml --integrator bdpt --chains 4",
-            "--chains means nothing",
+            "--chains applies to pssmlt, not to bdpt",
         ),
         (
             "render room.xml --chains 4",
@@ -105,25 +105,20 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "render room.xml --integrator pssmlt --direct joint",
-            "--direct means nothing",
+            "--direct applies to mmlt, not to pssmlt",
         ),
-        ("render room.xml --threshold -1", "a number from 0 on"),
+        ("render room.xml --threshold -1", "a number of at least 0"),
         ("render room.xml --small-step log:1:2", "log:0.001:0.016"),
         (
             "render room.xml --integrator pssmlt --target-error 1 --chains 1",
-            "two chains at least",
+            "needs --chains 2 or more",
         ),
         ("render room.xml --max-depth 0", "-1 for no limit"),
         ("render room.xml -D radiance", "name=value"),
         ("render room.xml -o room.png", "ends in .exr"),
         ("completions basic", "bash"),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stdout(is_empty())
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     assert_eq!(place.files(), ["room.xml", "sky.xml"]);
 }
@@ -149,7 +144,7 @@ fn scenes_that_cannot_be_rendered_are_explained() {
             ("dark.xml", "emitter"),
         ] {
             let assert = place.run(&format!("{command} {scene}")).assert();
-            // No colours and no backtrace where no terminal is.
+            // Without a terminal there are no colours and no backtrace.
             let plain = contains("\u{1b}").not().and(contains("backtrace").not());
             assert
                 .code(2)
@@ -163,7 +158,7 @@ fn scenes_that_cannot_be_rendered_are_explained() {
     );
 }
 
-/// Were it not noticed at once, the render would go on for an hour, or until it is killed.
+/// If it were noticed only at the end, the render would take an hour and be killed by the timeout.
 #[test]
 fn an_output_that_cannot_be_written_is_noticed_before_rendering() {
     let place = Workplace::new();
@@ -193,7 +188,7 @@ fn quiet_is_silent() {
     }
 }
 
-/// As when `| head` has read enough.
+/// As with `| head`.
 #[test]
 fn a_closed_pipe_is_no_error() {
     let place = Workplace::new();
@@ -214,7 +209,7 @@ fn a_closed_pipe_is_no_error() {
 }
 
 #[test]
-fn statistics_tell_what_the_render_took_and_the_image_carries_them() {
+fn statistics_are_written_to_json_and_to_the_image() {
     let place = Workplace::new();
     let common = "--spp 3 --seed 7 --threads 2 --stats s.json -D radiance=2";
     place
@@ -274,8 +269,8 @@ fn statistics_tell_what_the_render_took_and_the_image_carries_them() {
     assert_attributes(&place.path("room.exr"), &stats);
 }
 
-/// Without `--integrator` a pilot chooses, and says why: what is lit by a lamp in view has no use for
-/// chains, a lamp behind glass has.
+/// Without `--integrator` a pilot chooses, and the choice is printed with its reason: chains do not
+/// help in a scene with a visible lamp, but with a lamp behind glass.
 #[test]
 fn a_pilot_chooses_the_integrator() {
     let place = Workplace::new();
@@ -296,7 +291,7 @@ fn a_pilot_chooses_the_integrator() {
     assert_eq!(place.json("s.json")["integrator"], "bdpt");
 }
 
-/// The image at `path` carries some of the figures in `stats`.
+/// Asserts that the image at `path` has some of the statistics in `stats` as attributes.
 fn assert_attributes(path: &Path, stats: &Value) {
     use exr::meta::attribute::{AttributeValue, Text};
     let meta = exr::meta::MetaData::read_from_file(path, false).expect("an image");
@@ -342,45 +337,14 @@ fn the_image_depends_on_the_seed_and_not_on_the_threads() {
     }
 }
 
-/// Sends SIGINT once the program has told how much time is left: some samples are done by then.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_keeps_its_image() {
-    use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
     let place = Workplace::new();
     for integrator in ["bdpt", "pssmlt", "mmlt"] {
-        let mut child = Command::new(assert_cmd::cargo::cargo_bin("metrolight"))
-            .current_dir(place.path(""))
-            .args([
-                "render",
-                "room.xml",
-                "--time",
-                "1h",
-                "--integrator",
-                integrator,
-            ])
-            .args(["--stats", "s.json"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("started");
-        let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
-        let mut next = || lines.next().map(|line| line.expect("text"));
-        while !next()
-            .expect("a line about the time left")
-            .contains(" left")
-        {}
-        let kill = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
-        assert!(kill.expect("kill").success());
-        let rest: Vec<String> = std::iter::from_fn(next).collect();
-        assert_eq!(child.wait().expect("ended").code(), Some(130), "{rest:?}");
-        assert!(
-            rest.iter().any(|line| line.starts_with("interrupted: ")),
-            "{rest:?}"
-        );
+        let arguments =
+            format!("render room.xml --time 1h --integrator {integrator} --stats s.json");
+        common::interrupt::interrupt(&place, &arguments);
         assert!(place.pixels("room.exr").iter().any(|p| p[0] > 0.0));
         assert_eq!(place.json("s.json")["interrupted"], true);
         fs::remove_file(place.path("room.exr")).expect("removed");
@@ -388,7 +352,7 @@ fn an_interrupted_render_keeps_its_image() {
 }
 
 #[test]
-fn check_tells_what_is_in_a_scene() {
+fn check_lists_the_contents_of_a_scene() {
     let place = Workplace::new();
     place
         .run("check room.xml --size 8x6")
@@ -408,7 +372,7 @@ fn check_tells_what_is_in_a_scene() {
 }
 
 #[test]
-fn lost_light_is_told_by_check_and_render() {
+fn check_and_render_warn_of_lost_light() {
     let place = Workplace::new();
     let scene = repository("scenes/lost-caustic/scene.xml")
         .display()
@@ -427,9 +391,9 @@ fn lost_light_is_told_by_check_and_render() {
     assert!(place.path("lost-caustic.exr").exists());
 }
 
-/// A closed white room that shines, with paths of any length: told of, until the length is limited.
+/// A closed white room that emits light, with unlimited paths. A limit removes the warning.
 #[test]
-fn trapped_light_is_told_by_check_and_render() {
+fn check_and_render_warn_of_trapped_light() {
     const FURNACE: &str = r#"<scene version="3.0.0">
         <sensor type="perspective"/>
         <shape type="sphere">
@@ -456,7 +420,7 @@ fn trapped_light_is_told_by_check_and_render() {
 }
 
 #[test]
-fn help_needs_no_manual() {
+fn help_has_examples_defaults_and_exit_codes() {
     let place = Workplace::new();
     for command in ["--help", "render --help", "check --help"] {
         place
@@ -470,7 +434,7 @@ fn help_needs_no_manual() {
             .and(contains("60s, 2m, 1.5h"))
             .and(contains("[default: path 64"))
             .and(contains(
-                "[default: bdpt or mmlt, as a short pilot decides]",
+                "[default: bdpt or mmlt; a short pilot render decides]",
             )),
     );
     place

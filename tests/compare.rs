@@ -1,4 +1,4 @@
-//! `metrolight compare` as a user meets it.
+//! `metrolight compare`: its measures, its test for bias and its messages.
 
 mod common;
 
@@ -10,7 +10,7 @@ use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 use serde_json::Value;
 
-/// Writes an image of 5 x 4 pixels, all 1 but for one.
+/// Writes an image of `width` x 4 pixels, all 1 except one.
 fn write(place: &Workplace, name: &str, width: usize, pixel: [f32; 3]) {
     let mut pixels = vec![[1.0; 3]; width * 4];
     pixels[width + 2] = pixel;
@@ -57,7 +57,8 @@ fn measures_are_printed_and_written() {
     for name in ["error.png", "flip.png"] {
         let png = fs::read(place.path(&format!("made/here/{name}"))).expect("written");
         let image = image::load_from_memory(&png).expect("a PNG").into_rgb8();
-        // Each pixel is 96 wide, from (12, 45) on; the wrong one is in column 2, row 1.
+        // Each pixel is a square of 96 pixels; the first begins at (12, 45). The wrong one is in column
+        // 2, row 1.
         let brightness = |x, y| {
             image
                 .get_pixel(x, y)
@@ -80,9 +81,9 @@ fn an_image_is_identical_to_itself() {
     );
 }
 
-/// Fixed seeds; a correct program gives a false alarm for one choice of seeds in a hundred.
+/// The seeds are fixed. With others a correct program fails with a probability of about 1%.
 #[test]
-fn bias_is_found_where_there_is_some_and_only_there() {
+fn bias_is_found_only_in_a_biased_image() {
     let place = Workplace::new();
     let render = |name: &str, arguments: &str| {
         let render = format!("render room.xml -q --error --size 24x16 -o {name} {arguments}");
@@ -117,7 +118,7 @@ fn bias_is_found_where_there_is_some_and_only_there() {
         .assert()
         .success()
         .stdout(contains("; BIASED"));
-    // Of bidirectional path tracing it is not known how the pixels hang together.
+    // The correlation of pixels of bidirectional path tracing is unknown.
     let other = compare("c.exr");
     assert_ne!(other["bias"]["verdict"], "differs");
     assert_ne!(
@@ -127,18 +128,17 @@ fn bias_is_found_where_there_is_some_and_only_there() {
     assert!(
         other["notes"][0]
             .as_str()
-            .is_some_and(|n| n.contains("one seed"))
+            .is_some_and(|n| n.contains("the same seed"))
     );
-    // One side without standard errors.
+    // One image has no standard errors.
     place.run("compare a.exr a.png").assert().success().stdout(
-        contains("not tested: the reference has no standard errors").and(contains(
-            "note             a.png holds no light brighter than 1",
-        )),
+        contains("not tested: the reference has no standard errors")
+            .and(contains("note             a.png holds no values above 1")),
     );
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn images_that_cannot_be_compared_are_explained() {
     let place = Workplace::new();
     write(&place, "r.exr", 5, [1.0; 3]);
     write(&place, "wide.exr", 6, [1.0; 3]);
@@ -157,7 +157,7 @@ fn what_cannot_be_compared_is_said() {
     for (arguments, message) in [
         (
             "wide.exr r.exr -o out",
-            "wide.exr has 6 x 4 pixels, r.exr has 5 x 4 pixels: images of one size are needed",
+            "wide.exr has 6 x 4 pixels, r.exr has 5 x 4 pixels: images of the same size are needed",
         ),
         (
             "r.exr nan.exr -o out",
@@ -166,21 +166,17 @@ fn what_cannot_be_compared_is_said() {
         (
             "depth.exr r.exr -o out",
             "depth.exr: not a usable image (PNG, JPEG, OpenEXR or Radiance HDR): its channels are Z; \
-             needed are R, G and B, or Y",
+             expected R, G and B, or Y",
         ),
         ("room.xml r.exr", "room.xml: not a usable image"),
         ("none.exr r.exr", "none.exr: cannot read the image"),
         (
             "r.exr r.exr -o room.xml",
-            "cannot make the directory room.xml: it is a file; the name of a directory is needed",
+            "cannot make the directory room.xml: it is a file; give the name of a directory",
         ),
         ("r.exr", "<REFERENCE>"),
     ] {
-        place
-            .run(&format!("compare {arguments}"))
-            .assert()
-            .code(2)
-            .stderr(contains(message));
+        place.assert_rejects(&format!("compare {arguments}"), message);
         assert_eq!(place.files(), before, "{arguments}");
     }
 }

@@ -1,5 +1,5 @@
-//! `metrolight converge`: what it measures is what a render makes, and what it says follows from what
-//! it measured.
+//! `metrolight converge`: its measurements are those of renders, and its output follows from the
+//! measurements.
 
 mod common;
 
@@ -10,9 +10,9 @@ use common::workplace::Workplace;
 use metrolight::film::Image;
 use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Integrator, Moment, Observer, Settings, Unobserved, render};
-use predicates::str::{contains, is_empty};
+use predicates::str::contains;
 
-/// Rows of a table, by column.
+/// Rows of a CSV file, by column name.
 fn table(place: &Workplace, name: &str) -> Vec<std::collections::HashMap<String, String>> {
     let mut reader = csv::Reader::from_path(place.path(name)).expect("a table");
     reader
@@ -79,7 +79,7 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
             "{file}"
         );
     }
-    // The image of the error is the one that `compare` makes.
+    // The error image is that of `compare`.
     place
         .run("compare chart/path.exr truth.exr -o compared")
         .assert()
@@ -90,7 +90,7 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
 }
 
 #[test]
-fn without_a_reference_one_is_rendered_and_swept_values_have_a_line_each() {
+fn a_missing_reference_is_rendered_and_each_swept_value_has_a_curve() {
     let place = Workplace::new();
     place
         .run(
@@ -129,11 +129,11 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "converge room.xml --integrators bdpt --sweep chains=4 -o chart",
-            "means nothing",
+            "applies to none",
         ),
         (
             "converge room.xml --integrators bdpt --repeats 0 -o chart",
-            "from 1 on",
+            "at least 1",
         ),
         (
             "converge room.xml --integrators bdpt --reference no.exr -o chart",
@@ -141,25 +141,19 @@ fn wrong_arguments_are_explained() {
         ),
         ("converge room.xml --integrators bdpt -o file", "file"),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stdout(is_empty())
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     place
         .run("render sky.xml --integrator path --spp 1 -o small.exr -q")
         .assert()
         .success();
-    place
-        .run("converge room.xml --integrators bdpt --reference small.exr -o chart")
-        .assert()
-        .code(2)
-        .stderr(contains("6 x 4 pixels, but the scene has 20 x 15"));
+    place.assert_rejects(
+        "converge room.xml --integrators bdpt --reference small.exr -o chart",
+        "6 x 4 pixels, but the scene has 20 x 15",
+    );
 }
 
-/// Looks at every image, slowly.
+/// Asks for every image.
 #[derive(Default)]
 struct Watcher(Mutex<Vec<(Moment, Image)>>);
 
@@ -180,11 +174,11 @@ impl Observer for Watcher {
     }
 }
 
-/// An image that was looked at is that of a render that ends there, to the bit, and so is what
-/// follows. With chains only the end can be compared, for they make their mutations turn by turn; the
-/// weights of their states are rounded to f32 once more for every look.
+/// An intermediate image is bit-identical to that of a render that ends there, and so are later images.
+/// With chains only the last images can be compared, because chains make their mutations in turn; each
+/// intermediate image rounds the weights of their states to f32 once more.
 #[test]
-fn looking_changes_no_image() {
+fn intermediate_images_do_not_change_later_images() {
     let sizes = [("resx", "256"), ("resy", "256")];
     let scene = common::load("scenes/cornell/scene.xml", &sizes);
     for integrator in [Integrator::Bdpt, Integrator::Pssmlt] {

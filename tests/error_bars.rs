@@ -7,8 +7,11 @@
 mod common;
 
 use common::figures::{Accuracy, Stability, record};
+use common::wording;
 use metrolight::metrics::relative_mse;
-use metrolight::render::{Budget, ErrorEstimate, Integrator, Settings, Unobserved, render};
+use metrolight::render::{
+    Budget, ErrorEstimate, Integrator, Settings, Unobserved, Warning, render,
+};
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -190,7 +193,7 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
                 .expect("threads")
                 .warnings;
             let mut about = warnings.into_iter();
-            about.find(|warning| warning.contains("errors are probably larger"))
+            about.find(|warning| matches!(warning, Warning::RareContributions { .. }))
         };
         assert_eq!(told("scenes/cornell/scene.xml"), None);
         let pool = told("scenes/pool/scene.xml").expect("a warning");
@@ -201,7 +204,7 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
                 method: integrator.name(),
                 happens: "light that is still to be found is in no estimate: errors are too small"
                     .into(),
-                told: pool,
+                told: wording::warning(&pool),
             },
         );
     }
@@ -241,7 +244,7 @@ fn a_render_ends_at_the_error_asked_for() {
             ..Settings::new(integrator)
         };
         let rendering = render(&scene, &too_short, &Unobserved).expect("threads");
-        let not_yet = |warning: &String| warning.contains("and not yet 1.00e-4");
+        let not_yet = |warning: &Warning| matches!(warning, Warning::TargetNotReached { target, .. } if *target == 1e-4);
         assert!(
             rendering.warnings.iter().any(not_yet),
             "{:?}",

@@ -1,4 +1,4 @@
-//! The film against integrals of its filters, and its files against what was written.
+//! The film compared with integrals of its filters, and its files with their contents.
 
 use std::ffi::OsString;
 use std::io::{Error, Write};
@@ -20,17 +20,17 @@ const FILTERS: [Filter; 5] = [
     Filter::Tent { radius: 1.0 },
     Filter::Tent { radius: 2.3 },
     Filter::Gaussian { stddev: 0.5 },
-    // Wider than the film: every pixel is at the border.
+    // Wider than the film: all pixels are at the border.
     Filter::Gaussian { stddev: 1.5 },
 ];
 
-/// A picture with a different gradient in every channel; film position in the unit square.
+/// A picture with a different gradient in each channel, at a film position in the unit square.
 fn picture([x, y]: [f64; 2]) -> [f64; 3] {
     [1.0 + x, 2.0 * y, 3.0 - x - y]
 }
 
-/// Mean position along one side, weighted by the filter of pixel `j` within the film: a sum over
-/// many points.
+/// Mean position along one side, weighted by the filter of pixel `j` within the film, by numerical
+/// integration.
 fn filtered_position(filter: Filter, j: u32, size: u32) -> f64 {
     let n = 140_000;
     let (mut sum, mut weights) = (0.0, 0.0);
@@ -58,9 +58,9 @@ fn assert_filtered_picture(filter: Filter, image: &Image, tolerance: f64) {
     }
 }
 
-/// The plain mean of a pixel's samples is the integral of the picture times the pixel's filter,
-/// also at the border. The picture is a sum of functions of x and of y, so that evenly spaced random
-/// numbers on a diagonal do for a grid of them: no noise.
+/// The mean of a pixel's samples is the integral of the picture times the pixel's filter, also at the
+/// border. The picture is a sum of functions of x and of y, so evenly spaced numbers on a diagonal
+/// replace a grid, without noise.
 #[test]
 fn samples_of_a_pixel_average_to_the_filtered_picture() {
     let n = 10_000;
@@ -76,18 +76,19 @@ fn samples_of_a_pixel_average_to_the_filtered_picture() {
                 let value = picture(position.map(f64::from));
                 (0..3).for_each(|c| sum[c] += value[c]);
             }
-            // In two parts, as a driver would in two rounds.
+            // In two parts, as a driver does in two passes.
             film.add_samples(pixel, sum.map(|s| 0.25 * s), n / 4);
             film.add_samples(pixel, sum.map(|s| 0.75 * s), n - n / 4);
         }
-        assert_filtered_picture(filter, &film.develop(0.0), 1e-5);
+        assert_filtered_picture(filter, &film.resolve(0.0), 1e-5);
     }
 }
 
-/// Splats from all over the film, each a sample of the integral over the unit square, add up to the
-/// same image. Positions on a grid of midpoints, a multiple of both sides so that no box is cut.
+/// Splats over the whole film, each a sample of the integral over the unit square, add up to the same
+/// image. Their positions are a grid of midpoints; its side is a multiple of both sides of the film, so
+/// that box filters contain whole cells.
 #[test]
-fn splats_from_everywhere_add_up_to_the_filtered_picture() {
+fn splats_add_up_to_the_filtered_picture() {
     let n = 7 * 5 * 20;
     for filter in FILTERS {
         let mut film = Film::new(WIDTH, HEIGHT, filter);
@@ -101,21 +102,21 @@ fn splats_from_everywhere_add_up_to_the_filtered_picture() {
             });
         }
         film.apply(&[&log]);
-        let image = film.develop(1.0 / f64::from(n * n));
+        let image = film.resolve(1.0 / f64::from(n * n));
         assert_filtered_picture(filter, &image, 1e-4);
     }
 }
 
 #[test]
-fn samples_and_splats_are_scaled_apart_and_pixels_without_samples_are_black() {
+fn splats_have_their_own_scale_and_pixels_without_samples_are_black() {
     let mut film = Film::new(2, 1, Filter::Box);
     film.add_samples(1, [6.0, 9.0, 12.0], 3);
     film.splat(&Splat {
         position: [0.75, 0.5],
         value: Rgb::new(1.0, 2.0, 4.0),
     });
-    // A pixel is half of the unit film: the mean over it is twice its share of the integral.
-    let image = film.develop(0.5);
+    // A pixel is half of the unit film: its mean is twice its share of the integral.
+    let image = film.resolve(0.5);
     assert_eq!((image.width, image.height), (2, 1));
     assert_eq!(image.pixels, [[0.0; 3], [2.0 + 1.0, 3.0 + 2.0, 4.0 + 4.0]]);
 }
@@ -125,7 +126,7 @@ fn random_logs(seed: u64) -> Vec<SplatLog> {
     let mut random_log = || {
         let mut log = SplatLog::new();
         for _ in 0..rng.random_range(0..2000) {
-            // Magnitudes so far apart that a change of order changes the sum.
+            // The range of magnitudes makes the sum depend on the order.
             let magnitude = 10.0_f32.powf(rng.random_range(-6.0..6.0));
             log.push(Splat {
                 position: [rng.random(), rng.random()],
@@ -142,7 +143,7 @@ fn splats_are_added_in_order_for_any_number_of_threads() {
     let logs = random_logs(3);
     let refs: Vec<&SplatLog> = logs.iter().collect();
     for filter in [Filter::Box, Filter::Gaussian { stddev: 0.8 }] {
-        // Too high for one band of rows, and no multiple of it.
+        // More rows than one band, and not a multiple of it.
         let (width, height) = (13, 75);
         let mut one_by_one = Film::new(width, height, filter);
         for splat in logs.iter().flat_map(SplatLog::splats) {
@@ -163,7 +164,7 @@ fn splats_are_added_in_order_for_any_number_of_threads() {
     }
 }
 
-/// Three rows of two pixels, every value different.
+/// Three rows of two pixels with distinct values.
 fn small_image() -> Image {
     Image {
         width: 2,
@@ -263,10 +264,10 @@ fn writability_is_known_before_writing() {
     }
 }
 
-/// Others may read an image as they may read any new file.
+/// Images have the permissions of other new files.
 #[cfg(unix)]
 #[test]
-fn files_get_the_usual_permissions() {
+fn files_have_default_permissions() {
     use std::os::unix::fs::PermissionsExt;
     let directory = tempfile::tempdir().expect("a directory");
     let mode = |name: &str| {
@@ -278,9 +279,9 @@ fn files_get_the_usual_permissions() {
     assert_eq!(mode("ours"), mode("usual"));
 }
 
-/// Layers and attributes come back as they were written; what is no number, text or layer is left out.
+/// Layers and attributes are read as they were written.
 #[test]
-fn layers_and_attributes_are_read_again() {
+fn layers_and_attributes_are_read_back() {
     use metrolight::film::{Decode, read_annotated};
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("a.exr");

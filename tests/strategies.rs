@@ -1,4 +1,4 @@
-//! Techniques as images: their sum is the image, and `metrolight strategies` shows them.
+//! Images of single techniques: their sum is the image, and `metrolight strategies` writes them.
 
 mod common;
 
@@ -38,8 +38,8 @@ fn found(scene: &Scene, threads: usize) -> Strategies {
     strategies(scene, &settings(threads), &Unobserved).expect("images")
 }
 
-/// To the rounding of sums in 32 bits: the render adds the techniques of one sample so. Filters wider
-/// than a pixel, splats, specular surfaces and lost light are all there.
+/// Equal up to the rounding of sums in f32, in which the render adds the techniques of a sample. The
+/// scenes have filters wider than a pixel, splats, specular surfaces and lost light.
 #[test]
 fn weighted_images_add_up_to_the_render_of_the_same_samples() {
     let place = Workplace::new();
@@ -74,16 +74,17 @@ fn weighted_images_add_up_to_the_render_of_the_same_samples() {
 }
 
 #[test]
-fn images_do_not_depend_on_the_threads() {
+fn images_do_not_depend_on_the_number_of_threads() {
     let place = Workplace::new();
     let scene = small(&place.path("room.xml"), 4);
     assert_eq!(found(&scene, 1).images, found(&scene, 3).images);
 }
 
-/// A glass sphere on a floor, by paths of 4 edges: the floor seen through the sphere is found by next
-/// event estimation, the sphere's caustic by t = 1, both by hits on the lamp, and nothing by joins.
+/// A glass sphere on a floor, with paths of 4 edges. Next event estimation finds the floor seen through
+/// the sphere, t = 1 finds the sphere's caustic, s = 0 finds both, and connections of inner vertices
+/// find nothing.
 #[test]
-fn techniques_find_what_they_can() {
+fn each_technique_finds_its_light() {
     let place = Workplace::new();
     let scene = small(&place.path("room.xml"), 4);
     let settings = Settings {
@@ -112,7 +113,7 @@ fn techniques_find_what_they_can() {
 }
 
 #[test]
-fn a_directory_of_images_and_two_sheets_are_written() {
+fn images_and_two_contact_sheets_are_written() {
     let place = Workplace::new();
     place
         .run("strategies room.xml -o made/here --spp 4 --max-depth 3 --seed 9 --exposure -1")
@@ -141,7 +142,7 @@ fn a_directory_of_images_and_two_sheets_are_written() {
         assert!(image::load_from_memory(&png).expect("a PNG").width() >= 620);
     }
 
-    // The same samples as a render's.
+    // The samples are those of a render.
     place
         .run("render room.xml -q --integrator bdpt --spp 4 --max-depth 3 --seed 9")
         .assert()
@@ -162,7 +163,7 @@ fn a_directory_of_images_and_two_sheets_are_written() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said() {
+fn wrong_arguments_are_explained() {
     let place = Workplace::new();
     place
         .run("strategies --help")
@@ -188,48 +189,19 @@ fn what_cannot_be_shown_is_said() {
         ("strategies room.xml", "--output <DIR>"),
         (
             "strategies room.xml -o out --exposure x",
-            "a number of stops",
+            "expected a number of stops",
         ),
     ] {
-        place
-            .run(arguments)
-            .assert()
-            .code(2)
-            .stderr(contains(message));
+        place.assert_rejects(arguments, message);
         assert_eq!(place.files(), before, "{arguments}");
     }
 }
 
-/// Sends SIGINT once the program has told how much time is left.
 #[cfg(unix)]
 #[test]
-fn an_interrupted_pyramid_is_kept() {
-    use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
+fn interrupted_techniques_are_kept() {
     let place = Workplace::new();
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin("metrolight"))
-        .current_dir(place.path(""))
-        .args(["strategies", "room.xml", "-o", "out", "--spp", "100000000"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("started");
-    let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
-    let mut next = || lines.next().map(|line| line.expect("text"));
-    while !next()
-        .expect("a line about the time left")
-        .contains(" left")
-    {}
-    let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(kill.expect("kill").success());
-    let rest: Vec<String> = std::iter::from_fn(next).collect();
-    assert_eq!(child.wait().expect("ended").code(), Some(130), "{rest:?}");
-    assert!(
-        rest.iter().any(|line| line.starts_with("interrupted: ")),
-        "{rest:?}"
-    );
+    common::interrupt::interrupt(&place, "strategies room.xml -o out --spp 100000000");
     assert_eq!(place.json("out/strategies.json")["interrupted"], true);
     let pixels = place.pixels("out/weighted_s1_t2.exr");
     assert!(pixels.iter().any(|p| p[0] > 0.0));

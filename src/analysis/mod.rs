@@ -1,4 +1,4 @@
-//! What a scene does to light, found out before it is rendered: light that is lost, rare or trapped.
+//! Analysis of a scene before it is rendered: light that is lost, rare or trapped.
 
 pub mod lost_light;
 mod probe;

@@ -1,4 +1,4 @@
-//! Random rays that look at how light goes through a scene, without any estimate of it.
+//! Random rays that show which way light takes through a scene. They estimate nothing.
 
 use glam::{Vec2, Vec3A};
 use rand::RngExt;
@@ -6,19 +6,21 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::scene::{BsdfSample, EmissionSample, Ray, Scene, SurfacePoint, TransportMode};
 
-/// Two random numbers.
+/// Two uniform random numbers in [0, 1).
 pub(super) fn pair(rng: &mut Xoshiro256PlusPlus) -> Vec2 {
     Vec2::from(rng.random::<[f32; 2]>())
 }
 
-/// A ray from an emitter.
+/// A random ray from an emitter.
 pub(super) fn emitted(
     scene: &Scene,
     rng: &mut Xoshiro256PlusPlus,
 ) -> Option<(EmissionSample, Ray)> {
-    let [choose, part] = rng.random::<[f32; 2]>();
-    let (place, way) = (pair(rng), pair(rng));
-    let sample = scene.emitters.sample_emission(choose, part, place, way)?;
+    let [u_emitter, u_primitive] = rng.random::<[f32; 2]>();
+    let (u_position, u_direction) = (pair(rng), pair(rng));
+    let sample = scene
+        .emitters
+        .sample_emission(u_emitter, u_primitive, u_position, u_direction)?;
     let ray = Ray {
         origin: sample.origin,
         direction: sample.direction,
@@ -27,7 +29,7 @@ pub(super) fn emitted(
     Some((sample, ray))
 }
 
-/// A ray scattered at `surface`, `from` (unit) being where the last one came from.
+/// A ray scattered at `surface`; `from` is the unit direction towards the origin of the arriving ray.
 pub(super) fn scattered(
     scene: &Scene,
     surface: &SurfacePoint,
@@ -37,8 +39,8 @@ pub(super) fn scattered(
 ) -> Option<(BsdfSample, Ray)> {
     let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
     let from = surface.shading.to_local(from);
-    let (lobe, u) = (rng.random(), pair(rng));
-    let sample = material.sample(&scene.textures, surface.uv, from, mode, lobe, u)?;
+    let (u_lobe, u) = (rng.random(), pair(rng));
+    let sample = material.sample(&scene.textures, surface.uv, from, mode, u_lobe, u)?;
     let direction = surface.shading.to_world(sample.direction);
     let ray = Ray {
         origin: surface.ray_origin(direction),

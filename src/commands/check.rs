@@ -1,18 +1,16 @@
-//! `metrolight check`: what is in a scene, and what no render of it will show.
+//! `metrolight check`: lists what a scene contains, and warns of light that no render shows.
 
 use std::collections::BTreeMap;
 
-use metrolight::analysis::lost_light;
 use metrolight::film::Filter;
-use metrolight::integrators::Sampler;
 use metrolight::scene::{Material, Scene};
+use metrolight::technique::TechniqueSet;
 
-use super::figures::quantity;
-use super::render::{opening, print_warnings};
+use super::numbers::quantity;
 use super::source::SceneArgs;
-use super::{Outcome, say};
+use super::{Outcome, print, warn};
 
-/// Load a scene, say what is in it, and warn of light that cannot be found
+/// Load a scene, list what it contains, and warn of light that cannot be found
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -27,14 +25,13 @@ pub struct Args {
 /// Prints the scene on stdout and warnings on stderr.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
-    say(args.scene.path.display());
+    print(args.scene.path.display());
     for (what, text) in describe(&opened.scene) {
-        say(format_args!("  {what:<10} {text}"));
+        print(format_args!("  {what:<10} {text}"));
     }
-    say(format_args!("  {:<10} {}", "time", opening(&opened)));
-    print_warnings(&opened.warnings);
-    let lost = lost_light(&opened.scene, Sampler::Bidirectional);
-    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
+    print(format_args!("  {:<10} {}", "time", opened.times()));
+    warn(&opened.warnings);
+    warn(opened.lost_light(TechniqueSet::Bidirectional));
     Ok(Outcome::Done)
 }
 
@@ -108,8 +105,8 @@ fn shapes(scene: &Scene) -> String {
     )
 }
 
-/// Corners of the box around all surfaces, in the units of the scene file, to the fifth digit of its
-/// largest number.
+/// Corners of the bounding box of all surfaces, in units of the scene file, with five digits of the
+/// largest coordinate.
 fn bounds(scene: &Scene) -> String {
     let Some((low, high)) = scene.world_bounds() else {
         return "no surfaces".into();
@@ -118,7 +115,7 @@ fn bounds(scene: &Scene) -> String {
     let largest = corners.map(|corner| corner.abs().max_element());
     let decimals = (4.0 - largest[0].max(largest[1]).max(1e-300).log10().floor()).max(0.0);
     let [low, high] = corners.map(|corner| {
-        // Rounded first, and 0 added: no number reads -0.
+        // Rounding and adding 0 avoids -0.
         let step = 10.0_f64.powf(decimals);
         let numbers = corner
             .to_array()

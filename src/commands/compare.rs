@@ -1,4 +1,4 @@
-//! `metrolight compare`: how far an image is from a reference, and whether it is biased.
+//! `metrolight compare`: measures the error of an image, and tests whether it is biased.
 
 use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ use super::comparison::{Comparison, FILES};
 use super::input::read;
 use super::output::STANDARD_ERROR;
 use super::progress::Progress;
-use super::{Outcome, interrupt, say, tell};
+use super::{Outcome, eprint, interrupt, print};
 
 /// Compare an image with a reference
 ///
-/// Prints what an image differs by in the measures of the field, and how different it looks (FLIP). If
-/// both images carry standard errors (`render --error`), tests whether one of them is biased. Images
-/// are OpenEXR, Radiance HDR, PNG or JPEG, of one size.
+/// Prints error metrics of an image, among them relMSE and FLIP. If both images have standard errors
+/// (`render --error`), tests whether one of them is biased. Images are OpenEXR, Radiance HDR, PNG or
+/// JPEG, of the same size.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -29,11 +29,11 @@ Examples:
 
 Exit codes: 0 compared, however different they are; 2 bad input; 130 interrupted by Ctrl-C")]
 pub struct Args {
-    /// The image to judge
+    /// Image to measure
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
 
-    /// What it should be
+    /// Reference image
     #[arg(value_name = "REFERENCE")]
     reference: PathBuf,
 
@@ -41,14 +41,14 @@ pub struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Directory for error.png (relative error per pixel), flip.png (how visible it is) and
-    /// compare.json; made if there is none
+    /// Directory for error.png (relative error per pixel), flip.png (its visibility) and compare.json;
+    /// made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
-/// Seconds of work left from which on a log is told of it.
-const WORTH_TELLING: f64 = 2.0;
+/// Shorter remaining times, in seconds, are not shown.
+const MIN_REMAINING: f64 = 2.0;
 
 /// Reads, compares, writes and prints.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let [a, b] = [&image.image, &reference.image];
     if [a.width, a.height] != [b.width, b.height] {
         bail!(
-            "{} has {}, {} has {}: images of one size are needed",
+            "{} has {}, {} has {}: images of the same size are needed",
             args.image.display(),
             size(a),
             args.reference.display(),
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     }
     interrupt::listen()?;
     let Some(comparison) = compare(args, &image, &reference) else {
-        tell("interrupted: nothing is written");
+        eprint("interrupted: nothing is written");
         return Ok(Outcome::Interrupted);
     };
     let report = comparison.json(&image.image);
@@ -78,9 +78,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         comparison.write(directory, a, b, &report)?;
     }
     if args.json {
-        say(format_args!("{report:#}"));
+        print(format_args!("{report:#}"));
     } else {
-        say(comparison.text(args.output.as_deref()));
+        print(comparison.text(args.output.as_deref()));
     }
     Ok(Outcome::Done)
 }
@@ -107,7 +107,7 @@ fn compare<'a>(
         let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         progress.progress(
             done,
-            (left.is_finite() && left > WORTH_TELLING).then_some(left),
+            (left.is_finite() && left > MIN_REMAINING).then_some(left),
         );
         !progress.interrupted()
     });
@@ -121,7 +121,7 @@ fn compare<'a>(
     })
 }
 
-/// The test for bias, or why there is none.
+/// The test for bias, or the reason why there is none.
 fn bias_test(image: &AnnotatedImage, reference: &AnnotatedImage) -> Result<BiasTest, String> {
     let [Some(a), Some(b)] = [image, reference].map(estimate) else {
         let without = match [image, reference].map(|image| estimate(image).is_some()) {
@@ -130,14 +130,14 @@ fn bias_test(image: &AnnotatedImage, reference: &AnnotatedImage) -> Result<BiasT
             _ => "neither image has",
         };
         return Err(format!(
-            "{without} standard errors: render with --error to have bias tested"
+            "{without} standard errors: render with --error to test for bias"
         ));
     };
     Ok(test_bias(&a, &b, image.image.width))
 }
 
-/// The image with its standard errors, if it has them. Only a path tracer's pixels have samples of
-/// their own alone.
+/// The image with its standard errors, if it has them. Pixels are independent only if the image was
+/// rendered by path tracing, without splats.
 fn estimate(image: &AnnotatedImage) -> Option<Estimate<'_>> {
     let parts = image.number("metrolight.error.independent_parts");
     Some(Estimate {
@@ -157,7 +157,7 @@ fn notes(args: &Args, image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec
             .any(|e| extension.eq_ignore_ascii_case(e))
         {
             notes.push(format!(
-                "{} holds no light brighter than 1: what the other image has beyond it counts as error",
+                "{} holds no values above 1: larger values of the other image count as error",
                 path.display()
             ));
         }
@@ -171,22 +171,22 @@ fn notes(args: &Args, image: &AnnotatedImage, reference: &AnnotatedImage) -> Vec
     notes
 }
 
-/// What the user should know about standard errors.
+/// What limits the test for bias.
 fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
     let mut notes = Vec::new();
     for (name, image) in images {
         if estimate(image).is_some_and(|estimate| estimate.parts.is_none()) {
             notes.push(format!(
-                "{name} does not say how many independent parts its standard errors come from: they \
-                 are taken as exact"
+                "{name} does not say how many independent parts its standard errors come from: the \
+                 test takes them as exact"
             ));
         }
         let single = image.number("metrolight.error.pixels_resting_on_one_part");
-        if let Some(single) = single.filter(|&share| share > ErrorEstimate::MANY_SINGLE) {
+        if let Some(single) = single.filter(|&share| share > ErrorEstimate::MAX_SINGLE) {
             notes.push(format!(
                 "in {:.0}% of the pixels of {name} nearly all variance comes from one part of the \
-                 samples: its errors are probably larger than it says, and the test sees bias where \
-                 there may be none",
+                 samples: its errors are probably larger than estimated, and the test may report \
+                 bias where there is none",
                 100.0 * single
             ));
         }
@@ -194,7 +194,7 @@ fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
     let seeds = images.map(|(_, image)| image.number("metrolight.seed"));
     if seeds[0].is_some() && seeds[0] == seeds[1] {
         notes.push(
-            "both images come from one seed and may share random numbers: the test then finds less"
+            "both images have the same seed and may share random numbers: the test may miss bias"
                 .into(),
         );
     }

@@ -1,4 +1,4 @@
-//! What `metrolight compare` has found: as text, as JSON, and as images of the errors.
+//! Results of `metrolight compare`: as text, as JSON, and as images of the errors.
 
 use std::path::Path;
 
@@ -14,20 +14,20 @@ use super::output::{write_bytes, write_json};
 /// The files that are written.
 pub const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
 
-/// What was found.
+/// Errors of an image against a reference.
 pub struct Comparison<'a> {
-    /// Names of the image and of the reference.
+    /// Paths of the image and of the reference.
     pub names: [&'a Path; 2],
     pub errors: ImageError,
     pub flip: Flip,
-    /// Or why it was not tested.
+    /// The test for bias, or the reason why there is none.
     pub bias: Result<BiasTest, String>,
-    /// What the user should know about the test.
+    /// What limits the comparison.
     pub notes: Vec<String>,
 }
 
 impl Comparison<'_> {
-    /// What the user wants to know, in one line.
+    /// The result in one line.
     fn verdict(&self) -> String {
         let brightness = match self.errors.mean_ratio {
             _ if self.errors.mse == 0.0 => "identical".into(),
@@ -39,7 +39,7 @@ impl Comparison<'_> {
         let bias = match &self.bias {
             Err(_) => "bias not tested",
             Ok(test) => match test.verdict {
-                BiasVerdict::Differs => "BIASED: one of them, at least",
+                BiasVerdict::Differs => "BIASED: at least one of them",
                 BiasVerdict::Unclear => "bias unclear",
                 BiasVerdict::NoneFound => "no bias found",
             },
@@ -52,7 +52,7 @@ impl Comparison<'_> {
         )
     }
 
-    /// A verdict in a line, and a table.
+    /// The verdict in one line, and a table.
     pub fn text(&self, written: Option<&Path>) -> String {
         let e = &self.errors;
         let pixels = self.flip.errors.len();
@@ -113,7 +113,7 @@ impl Comparison<'_> {
         );
         let power = match test.smallest_detectable {
             Some(size) if size > 0.0 => format!(
-                "; a difference of {} of the mean in a tile would be found",
+                "; a difference of {} of the mean of a tile would be detected",
                 percent(size)
             ),
             _ => String::new(),
@@ -121,14 +121,14 @@ impl Comparison<'_> {
         let all = format!("{} tiles of {side} x {side} pixels", test.tiles);
         match test.verdict {
             BiasVerdict::Differs => format!(
-                "{} of {all} differ by more than their errors allow (p = {:.1e}, level {}); {place}",
+                "{} of {all} differ significantly (p = {:.1e}, level {}); {place}",
                 test.differing_tiles,
                 test.smallest_p,
                 bias::LEVEL
             ),
             BiasVerdict::Unclear => format!(
-                "{all}: some differ by more than independent pixels would (p = {:.1e}), but pixels of \
-                 one tile may err alike (p = {:.2}); {place}{power}. Render for longer",
+                "{all}: some differ significantly if pixels are independent (p = {:.1e}), but errors of \
+                 neighbouring pixels may be correlated (p = {:.2}); {place}{power}. Render for longer",
                 test.smallest_p_if_independent, test.smallest_p
             ),
             BiasVerdict::NoneFound if test.smallest_p == test.smallest_p_if_independent => {
@@ -141,7 +141,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// All figures.
+    /// All results.
     pub fn json(&self, image: &Image) -> serde_json::Value {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -184,7 +184,7 @@ impl Comparison<'_> {
 
     fn flip_map(&self, width: usize) -> Result<String, PlotError> {
         let lines = [
-            "How visible the error of each pixel is",
+            "Visibility of the error of each pixel",
             "FLIP for high dynamic range, from 0 to 1",
         ];
         let errors: Vec<f64> = self.flip.errors.iter().map(|&e| e.into()).collect();
@@ -193,7 +193,7 @@ impl Comparison<'_> {
     }
 }
 
-/// The relative error of each pixel in false colours, with a scale, as a PNG file's bytes.
+/// A PNG file of the relative error of each pixel in false colours, with a scale.
 pub fn relative_map(image: &Image, reference: &Image) -> miette::Result<Vec<u8>> {
     let lines = [
         "Relative error of each pixel",
@@ -215,17 +215,17 @@ fn exposures_text(flip: &Flip) -> String {
     }
 }
 
-/// Relative errors that are labelled on the scale of colours; the first is black and all below it, the
-/// last the brightest and all above it.
+/// Relative errors that are labelled on the colour scale. The first and all below it are black, the
+/// last and all above it have the brightest colour.
 pub const SCALE: [(f64, &str); 4] = [(0.001, "0.1%"), (0.01, "1%"), (0.1, "10%"), (1.0, "100%")];
 
-/// The place of a squared relative error on the logarithmic scale, from 0 to 1.
+/// Position of a squared relative error on the logarithmic scale, from 0 to 1.
 fn on_scale(squared: f64) -> f64 {
     let [(low, _), .., (high, _)] = SCALE;
     ((0.5 * squared.log10() - f64::log10(low)) / f64::log10(high / low)).clamp(0.0, 1.0)
 }
 
-/// `12.3%`, with three digits.
+/// A percentage with three digits: `12.3%`.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     let decimals = match percent.abs() {
@@ -243,7 +243,7 @@ mod tests {
     use super::{on_scale, percent};
 
     #[test]
-    fn numbers_are_short_and_colours_keep_to_the_scale() {
+    fn percentages_have_three_digits_and_colours_are_clamped_to_the_scale() {
         for (share, expected) in [(0.0, "0.0000%"), (0.0123, "1.23%"), (12.0, "1200%")] {
             assert_eq!(percent(share), expected);
         }

@@ -1,17 +1,17 @@
-//! `metrolight completions`: scripts that complete the command line.
+//! `metrolight completions`: completion scripts for shells.
 
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-use super::{Cli, Outcome, say};
+use super::{Cli, Outcome, print};
 
-/// Print a script that completes metrolight's arguments
+/// Print a completion script for a shell
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
   metrolight completions bash > ~/.local/share/bash-completion/completions/metrolight")]
 pub struct Args {
-    /// The shell that the script is for
+    /// The shell
     shell: Shell,
 }
 
@@ -19,6 +19,6 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "metrolight", &mut script);
-    say(String::from_utf8_lossy(&script).trim_end());
+    print(String::from_utf8_lossy(&script).trim_end());
     Outcome::Done
 }

@@ -1,4 +1,4 @@
-//! Images that commands read.
+//! Images that commands read as input.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use miette::{bail, miette};
 
 use super::output::STANDARD_ERROR;
 
-/// Reads an image, and fails if it or its standard errors are not numbers everywhere.
+/// Reads an image. Fails if the image or its standard errors are not finite everywhere.
 pub fn read(path: &Path) -> miette::Result<AnnotatedImage> {
     let annotated = read_annotated(path, Decode::Srgb)
         .map_err(|error| miette!("{}: {error}", path.display()))?;
@@ -41,7 +41,7 @@ fn check_finite(
     };
     bail!(
         "{}: channel {prefix}{} of the pixel in column {}, row {} (from 0, at the top left) is {}{more}: \
-         only numbers can be compared",
+         only finite values can be compared",
         path.display(),
         ["R", "G", "B"][channel],
         i % width,

@@ -1,20 +1,20 @@
-//! Ctrl-C: the first asks for an end, the second ends at once.
+//! Ctrl-C: the first press ends the command in an orderly way, the second at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use miette::IntoDiagnostic;
 
-use super::{INTERRUPTED, tell};
+use super::{INTERRUPTED, eprint};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Listens for Ctrl-C from now on.
+/// Installs the handler of Ctrl-C.
 pub fn listen() -> miette::Result<()> {
     ctrlc::set_handler(|| {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        tell("stopping; press Ctrl-C again to quit at once");
+        eprint("stopping; press Ctrl-C again to quit at once");
     })
     .into_diagnostic()
 }

@@ -1,4 +1,4 @@
-//! The verbs of the command line: parse, call the library, print.
+//! The subcommands: each parses its arguments, calls the library and prints.
 
 mod check;
 mod compare;
@@ -6,17 +6,22 @@ mod comparison;
 mod completions;
 mod converge;
 mod diagnose;
-mod figures;
 mod input;
+mod integrator_args;
 mod interrupt;
+mod names;
+mod numbers;
 mod output;
 mod progress;
 mod render;
 mod replay;
 mod report;
+mod run_args;
 mod source;
+mod statistics;
 mod strategies;
 mod values;
+mod wording;
 
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
@@ -25,11 +30,11 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use miette::MietteHandlerOpts;
 
-/// Exit code of a diagnosis that finds something wrong.
+/// Exit code if `diagnose` rejects stationarity.
 pub const REJECTED: u8 = 1;
-/// Exit code for anything wrong with what the user gave; also clap's.
+/// Exit code for wrong arguments and input; clap uses the same.
 pub const BAD_INPUT: u8 = 2;
-/// Exit code after Ctrl-C: 128 + SIGINT, as shells have it.
+/// Exit code after Ctrl-C: 128 + SIGINT, as in shells.
 pub const INTERRUPTED: u8 = 130;
 
 const EXIT_CODES: &str = "\
@@ -40,7 +45,7 @@ Exit codes:
   130  interrupted by Ctrl-C";
 
 /// Metropolis light transport over bidirectional path tracing: renders scenes with difficult light
-/// without bias, and says how sure it is.
+/// without bias, and estimates the error of the image.
 #[derive(Parser)]
 #[command(version, after_help = EXIT_CODES)]
 struct Cli {
@@ -61,13 +66,13 @@ enum Command {
     Completions(completions::Args),
 }
 
-/// How a command ended that met no error.
+/// How a command without errors ended.
 pub enum Outcome {
-    /// As asked.
+    /// It did all its work.
     Done,
-    /// Chains were found not to be stationary.
+    /// `diagnose` rejected that the chains are stationary.
     Rejected,
-    /// Early, by Ctrl-C.
+    /// Ctrl-C ended it early.
     Interrupted,
 }
 
@@ -81,7 +86,7 @@ impl Outcome {
     }
 }
 
-/// Parses the command line and does what it says. Wrong arguments end the process here.
+/// Parses the command line and runs the subcommand. Wrong arguments end the process here.
 pub fn run() -> miette::Result<Outcome> {
     match Cli::parse().command {
         Command::Render(args) => render::run(args),
@@ -96,23 +101,58 @@ pub fn run() -> miette::Result<Outcome> {
     }
 }
 
-/// Prints a line on stdout. That nobody listens any more (`| head`) is no error.
-fn say(text: impl Display) {
+/// Prints a line on stdout. A closed pipe (`| head`) is not an error.
+fn print(text: impl Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
-/// Prints a line on stderr, likewise.
-pub fn tell(text: impl Display) {
+/// Prints a line on stderr. A closed pipe is not an error.
+pub fn eprint(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Reports keep paths and numbers in one piece: no line is broken within a word, and none at all
-/// where no terminal shows it.
+/// Prints warnings on stderr, even with --quiet.
+fn warn(warnings: impl IntoIterator<Item = impl Display>) {
+    for warning in warnings {
+        eprint(format_args!("warning: {warning}"));
+    }
+}
+
+/// Error reports keep paths and numbers in one piece: lines are never broken within a word, and not at
+/// all if stderr is no terminal.
 pub fn install_reports() {
     let wrap = std::io::stderr().is_terminal();
-    // An error here would say that reports are installed already.
+    // Fails only if a hook is installed already.
     let _ = miette::set_hook(Box::new(move |_| {
         let options = MietteHandlerOpts::new();
         Box::new(options.break_words(false).wrap_lines(wrap).build())
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use clap::CommandFactory;
+
+    use super::Cli;
+
+    #[test]
+    fn arguments_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn flags_in_warnings_are_options() {
+        let command = Cli::command();
+        let arguments = command
+            .get_subcommands()
+            .flat_map(|command| command.get_arguments());
+        let options: BTreeSet<&str> = arguments.filter_map(|option| option.get_long()).collect();
+        let is_letter = |c: char| c.is_ascii_lowercase() || c == '-';
+        for text in include_str!("wording.rs").split("--").skip(1) {
+            let flag = text.split(|c| !is_letter(c)).next().unwrap_or_default();
+            assert!(options.contains(flag), "--{flag}");
+        }
+    }
 }

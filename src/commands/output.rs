@@ -1,4 +1,4 @@
-//! The files that a render leaves.
+//! The files that a render writes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use metrolight::render::{Budget, Rendering};
 use miette::{IntoDiagnostic, bail, miette};
 use serde_json::{Value, json};
 
-/// Where they go.
+/// Paths of the output files.
 pub struct Outputs {
     pub exr: PathBuf,
     pub png: PathBuf,
@@ -18,8 +18,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// The image at `exr`, or in the current directory under the scene's name, and a preview beside
-    /// it. Fails if one of them could not be written, before anybody has spent time on it.
+    /// The image at `exr`, or in the current directory under the scene's name, and a preview with the
+    /// same stem. Fails before rendering if one of the files could not be written.
     pub fn prepare(
         exr: Option<PathBuf>,
         scene_name: &str,
@@ -36,7 +36,7 @@ impl Outputs {
             && images.contains(&stats)
         {
             bail!(
-                "--stats {} is the name of an image that the render writes",
+                "--stats {} is also the name of an image that this render writes: choose another",
                 stats.display()
             );
         }
@@ -46,7 +46,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes all of them.
+    /// Writes all files.
     pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
         write_rendering(&self.exr, rendering, report)?;
         if let Some(path) = &self.stats {
@@ -59,8 +59,8 @@ impl Outputs {
 /// The layer of standard errors in an image that was rendered with `--error`.
 pub const STANDARD_ERROR: &str = "standard_error";
 
-/// Writes the image to `exr`, with its error as a layer and `report` as attributes, and the preview
-/// beside it.
+/// Writes the image to `exr`, with its standard errors as a layer and `report` as attributes, and the
+/// preview with the same stem.
 pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> miette::Result<()> {
     let image = &rendering.image;
     let error = rendering.error.as_ref();
@@ -72,7 +72,7 @@ pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> mie
     write_png(&exr.with_extension("png"), image).into_diagnostic()
 }
 
-/// Writes a file whole, or leaves what is there.
+/// Writes a whole file, or leaves the existing one unchanged.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> miette::Result<()> {
     replace_file(path, |writer| writer.write_all(bytes)).into_diagnostic()
 }
@@ -82,23 +82,23 @@ pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Writes a JSON file for people to read as well.
+/// Writes an indented JSON file.
 pub fn write_json(path: &Path, value: &Value) -> miette::Result<()> {
     write_text(path, &format!("{value:#}\n"))
 }
 
-/// Makes a directory, and those above it, unless there is one.
+/// Makes a directory and its parents, if they do not exist.
 pub fn make_directory(path: &Path) -> miette::Result<()> {
     std::fs::create_dir_all(path).map_err(|error| {
         let cause = match path.exists() && !path.is_dir() {
-            true => "it is a file; the name of a directory is needed".into(),
+            true => "it is a file; give the name of a directory".into(),
             false => error.to_string(),
         };
         miette!("cannot make the directory {}: {cause}", path.display())
     })
 }
 
-/// A budget as reports have it.
+/// A budget in reports.
 pub fn budget_json(budget: Budget) -> Value {
     match budget {
         Budget::SamplesPerPixel(n) => json!({ "samples_per_pixel": n }),
@@ -107,25 +107,25 @@ pub fn budget_json(budget: Budget) -> Value {
     }
 }
 
-/// Every integer up to 2^53 is a double.
-const EXACT: u64 = 1 << 53;
+/// All integers up to 2^53 are exact in a double.
+const MAX_EXACT: u64 = 1 << 53;
 
-/// What an image says about how it was made: `report`, with names that begin with `metrolight.`.
+/// `report` as attributes of an image, with names that begin with `metrolight.`.
 pub fn attributes(report: &Value) -> Vec<(String, AttributeValue)> {
     let mut attributes = Vec::new();
     flatten("metrolight", report, &mut attributes);
     attributes
 }
 
-/// Makes attributes `prefix.key`, `prefix.key.key`, `prefix.0`, ... of a JSON value. Null makes none.
+/// Appends attributes `prefix.key`, `prefix.key.key`, `prefix.0`, ... of a JSON value. Null has none.
 fn flatten(prefix: &str, value: &Value, attributes: &mut Vec<(String, AttributeValue)>) {
     let scalar = match value {
         Value::Null => return,
         Value::Bool(bool) => AttributeValue::Text(bool.to_string()),
         Value::String(text) => AttributeValue::Text(text.clone()),
-        // What a double cannot hold to the last digit, such as a large seed, is kept as text.
+        // A number that is not exact in a double, such as a large seed, is stored as text.
         Value::Number(number) => match number.as_f64() {
-            Some(double) if number.as_u64().is_none_or(|n| n <= EXACT) => {
+            Some(double) if number.as_u64().is_none_or(|n| n <= MAX_EXACT) => {
                 AttributeValue::Number(double)
             }
             _ => AttributeValue::Text(number.to_string()),

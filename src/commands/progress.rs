@@ -1,4 +1,4 @@
-//! Progress on stderr: a bar on a terminal, a line now and then elsewhere.
+//! Progress on stderr: a bar on a terminal, lines from time to time elsewhere.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -6,18 +6,18 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use metrolight::render::Observer;
 
-use super::figures::duration;
-use super::{interrupt, tell};
+use super::numbers::duration;
+use super::{eprint, interrupt};
 
-/// Time between two lines where there is no terminal, after the first of a phase.
+/// Time between two lines of a phase if stderr is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(30);
 
-/// Steps of a bar from nothing to all.
+/// Length of a full bar.
 const STEPS: u64 = 1000;
 
-/// Watches a render.
+/// Shows the progress of a render.
 pub enum Progress {
-    /// Says nothing.
+    /// Shows nothing.
     Silent,
     /// A bar on a terminal.
     Bar(ProgressBar),
@@ -25,7 +25,7 @@ pub enum Progress {
     Lines(Mutex<Lines>),
 }
 
-/// What has been written to a log.
+/// State of a log.
 #[derive(Default)]
 pub struct Lines {
     phase: String,
@@ -34,14 +34,14 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Writes a line as soon as the phase can say how long it will take, then from time to time.
+    /// Writes a line as soon as the remaining time of the phase is known, then from time to time.
     fn progress(&mut self, fraction: f64, left: &str) {
         let due = match self.last {
             None => !left.is_empty(),
             Some(last) => last.elapsed() >= BETWEEN_LINES,
         };
         if due {
-            tell(format_args!(
+            eprint(format_args!(
                 "{}: {:.0}% {left}",
                 self.phase,
                 100.0 * fraction
@@ -52,7 +52,7 @@ impl Lines {
 }
 
 impl Progress {
-    /// Fit for what stderr is.
+    /// A bar if stderr is a terminal, else lines; nothing if `quiet`.
     pub fn new(quiet: bool, terminal: bool) -> Self {
         if quiet {
             return Self::Silent;
@@ -68,7 +68,7 @@ impl Progress {
         Self::Bar(bar)
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();

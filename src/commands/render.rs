@@ -1,26 +1,23 @@
-//! `metrolight render`: a scene file becomes an image.
+//! `metrolight render`: renders a scene file to an image.
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use metrolight::analysis::lost_light;
-use metrolight::markov::SmallStep;
-use metrolight::render::{
-    Budget, DivisionSettings, Integrator, Settings, Statistics, choose, render,
-};
+use metrolight::render::{Budget, Integrator, Method, Settings, choose, render};
 use miette::{IntoDiagnostic, bail};
 
+use super::integrator_args::IntegratorArgs;
+use super::names::IntegratorName;
 use super::output::Outputs;
-use super::progress::Progress;
-use super::source::{Opened, SceneArgs};
-use super::{Outcome, figures, interrupt, replay, say, tell, values};
+use super::run_args::RunArgs;
+use super::source::SceneArgs;
+use super::{Outcome, eprint, interrupt, print, replay, statistics, values, warn, wording};
 
 /// Render a scene
 ///
-/// Writes an OpenEXR image (linear RGB radiance, 32-bit floats, with the figures of the render as
-/// attributes) and a PNG preview (sRGB, clamped). The same scene, seed and --spp give the same image
-/// to the bit, whatever the number of threads. Ctrl-C ends the render early and keeps its image.
+/// Writes an OpenEXR image (linear RGB radiance, 32-bit floats, with the statistics of the render as
+/// attributes) and a PNG preview (sRGB, clamped). The same scene, seed and --spp give bit-identical
+/// images for any number of threads. Ctrl-C ends the render early and keeps its image.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -38,13 +35,13 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// OpenEXR file to write; the preview goes beside it, with .png
-    /// [default: NAME.exr in the current directory, NAME the scene file's stem, or its folder's
-    /// name if the stem is `scene`]
+    /// OpenEXR file to write; the preview has the same name with .png
+    /// [default: NAME.exr in the current directory; NAME is the scene file's name without extension,
+    /// or that of its directory if the file is named `scene`]
     #[arg(short, long, value_name = "OUT.exr", value_parser = values::exr_path)]
     output: Option<PathBuf>,
 
-    /// Method [default: bdpt or mmlt, as a short pilot decides]
+    /// Integrator [default: bdpt or mmlt; a short pilot render decides]
     #[arg(long)]
     integrator: Option<IntegratorName>,
 
@@ -57,143 +54,41 @@ pub struct Args {
     )]
     spp: Option<u64>,
 
-    /// Time to render in (60s, 2m, 1.5h, or plain seconds), instead of --spp; loading does not count
+    /// Rendering time (60s, 2m, 1.5h, or seconds) instead of --spp; loading does not count
     #[arg(long, value_name = "TIME", value_parser = values::seconds)]
     time: Option<f64>,
 
-    /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = values::threads)]
-    threads: Option<usize>,
-
-    #[arg(
-        long,
-        value_name = "P",
-        value_parser = values::probability,
-        help = large_step_help()
-    )]
-    large_step_probability: Option<f32>,
-
-    #[arg(long, value_name = "STEP", value_parser = values::small_step, help = small_step_help())]
-    small_step: Option<SmallStep>,
-
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = values::chains,
-        help = chains_help()
-    )]
-    chains: Option<u64>,
-
-    /// pssmlt: number of bootstrap samples
-    /// [default: until the standard error of b is small]
-    #[arg(long, value_name = "N", value_parser = values::positive)]
-    bootstrap: Option<u64>,
-
-    /// mmlt: who renders direct light: plain samples, or these and the chains like all else
-    #[arg(long, value_name = "WHO")]
-    direct: Option<DirectName>,
-
-    /// mmlt: let all regions of the image count by their brightness, and not alike
-    #[arg(long)]
-    no_importance_map: bool,
-
-    /// mmlt: how bright a path must be for chains to take over, in units of the brightness expected
-    /// where it lands [default: as the pilot decides]
-    #[arg(long, value_name = "T", value_parser = values::threshold)]
-    threshold: Option<f32>,
+    #[command(flatten)]
+    options: IntegratorArgs,
 
     /// Estimate the standard error of every pixel: adds the channels standard_error.R, .G and .B to
-    /// the EXR file and prints the relMSE that they make expect
+    /// the EXR file and prints the expected relMSE
     #[arg(long)]
     error: bool,
 
-    /// Stop as soon as the estimated relMSE is E or less; with --spp or --time no later than these
-    /// say, else however long it takes. Means --error too
+    /// Stop as soon as the estimated relMSE is E or less; --spp or --time set an upper limit, without
+    /// them there is none. Implies --error
     #[arg(long, value_name = "E", value_parser = values::target_error)]
     target_error: Option<f64>,
 
-    /// Write the figures of the render to a JSON file
+    /// Write the statistics of the render to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 
-    /// Print nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-/// The integrators' names, each with a word about what it is good for.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum IntegratorName {
-    /// Path tracing: for light that reaches the camera in few bounces from large emitters
-    Path,
-    /// Light tracing: for caustics that are seen directly
-    Light,
-    /// Bidirectional path tracing
-    Bdpt,
-    /// Primary sample space Metropolis over bidirectional path tracing
-    Pssmlt,
-    /// Multiplexed Metropolis beside plain bidirectional path tracing
-    Mmlt,
-}
-
-/// Who renders direct light.
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub enum DirectName {
-    /// Plain samples alone
-    Separate,
-    /// Plain samples, and chains where it is bright
-    Joint,
-}
-
-impl std::fmt::Display for DirectName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Separate => "separate",
-            Self::Joint => "joint",
-        })
-    }
-}
-
-impl From<Integrator> for IntegratorName {
-    fn from(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::Path => Self::Path,
-            Integrator::Light => Self::Light,
-            Integrator::Bdpt => Self::Bdpt,
-            Integrator::Pssmlt => Self::Pssmlt,
-            Integrator::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl From<IntegratorName> for Integrator {
-    fn from(name: IntegratorName) -> Self {
-        match name {
-            IntegratorName::Path => Self::Path,
-            IntegratorName::Light => Self::Light,
-            IntegratorName::Bdpt => Self::Bdpt,
-            IntegratorName::Pssmlt => Self::Pssmlt,
-            IntegratorName::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl std::fmt::Display for IntegratorName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(Integrator::from(*self).name())
-    }
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 fn spp_help() -> String {
-    let defaults: Vec<String> = Integrator::ALL
+    let defaults: Vec<String> = Method::ALL
         .iter()
-        .map(|integrator| {
-            let n = integrator.default_samples_per_pixel();
-            format!("{} {n}", integrator.name())
+        .map(|method| {
+            let n = method.default_samples_per_pixel();
+            format!("{} {n}", method.name())
         })
         .collect();
     format!(
@@ -202,30 +97,7 @@ fn spp_help() -> String {
     )
 }
 
-fn large_step_help() -> String {
-    let default = Settings::default().large_step_probability;
-    format!("pssmlt: probability of a large step, from 0 to 1 [default: {default}]")
-}
-
-fn small_step_help() -> String {
-    let default = |integrator: Integrator| integrator.default_small_step().to_string();
-    format!(
-        "pssmlt, mmlt: how numbers move in a small step: log:SHORTEST:LONGEST or gaussian:DEVIATION \
-         [default: {}, {}]",
-        default(Integrator::Pssmlt),
-        default(Integrator::Mmlt)
-    )
-}
-
-fn chains_help() -> String {
-    let default = Settings::default().chains;
-    format!("pssmlt: number of Markov chains [default: {default}]")
-}
-
-/// Contributions that were not finite: so many command lines are printed that show one.
-const MOST_REPLAYS: usize = 8;
-
-/// Loads, renders, writes and sums up.
+/// Loads the scene, renders it, writes the image and prints a summary.
 pub fn run(args: Args) -> miette::Result<Outcome> {
     let mut settings = args.settings()?;
     let outputs = Outputs::prepare(args.output, &args.scene.name()?, args.stats)?;
@@ -234,47 +106,48 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     // Load.
     let opened = args.scene.open()?;
     let mut warnings = opened.warnings.clone();
-    print_warnings(&warnings);
-    if !args.quiet {
-        tell(opening(&opened));
+    warn(&warnings);
+    if !args.run.quiet {
+        eprint(opened.times());
     }
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
-    // Whatever a pilot may choose has the same sampler.
-    let lost = lost_light(&opened.scene, settings.integrator.sampler());
-    if args.integrator.is_none() {
-        let choice = choose(&opened.scene, &settings, &lost, &progress).into_diagnostic()?;
-        settings.integrator = choice.integrator;
-        if !args.quiet {
-            tell(&choice);
+    let progress = args.run.progress();
+    // All integrators that the pilot may choose combine the same techniques.
+    let lost = lost_light(&opened.scene, settings.method().techniques());
+    if let (None, Integrator::Mmlt(own)) = (args.integrator, &settings.integrator) {
+        let choice = choose(&opened.scene, &settings, own, &lost, &progress).into_diagnostic()?;
+        if !args.run.quiet {
+            eprint(wording::choice(&choice));
         }
+        settings.integrator = choice.integrator;
     }
-    let lost: Vec<String> = lost.iter().map(ToString::to_string).collect();
-    print_warnings(&lost);
+    let lost: Vec<String> = lost.iter().map(wording::lost_light).collect();
+    warn(&lost);
     warnings.extend(lost);
     if interrupt::requested() {
-        tell("interrupted before rendering began: nothing is written");
+        eprint("interrupted before rendering began: nothing is written");
         return Ok(Outcome::Interrupted);
     }
 
     // Render.
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    print_warnings(&rendering.warnings);
-    print_replays(&args.scene, &settings, &rendering.statistics);
-    warnings.extend_from_slice(&rendering.warnings);
+    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
+    warn(&limits);
+    warnings.extend(limits);
+    replay::print_commands(&args.scene, &settings, &rendering.statistics);
 
     // Write.
     if rendering.interrupted && rendering.statistics.samples == 0 {
-        tell("interrupted before the first sample: nothing is written");
+        eprint("interrupted before the first sample: nothing is written");
         return Ok(Outcome::Interrupted);
     }
-    let report = figures::json(&args.scene, &opened, &settings, &rendering, &warnings);
+    let report = statistics::json(&args.scene, &opened, &settings, &rendering, &warnings);
     outputs.write(&rendering, &report.into_diagnostic()?)?;
-    if !args.quiet {
-        say(figures::summary(&outputs, &rendering));
+    if !args.run.quiet {
+        print(statistics::summary(&outputs, &rendering));
     }
     if rendering.interrupted {
-        tell("interrupted: the image holds what had been rendered by then");
+        eprint("interrupted: the image holds the samples taken so far");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
@@ -282,12 +155,13 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
 
 impl Args {
     fn settings(&self) -> miette::Result<Settings> {
-        // Until a pilot has chosen: what it may choose has the same defaults.
-        let integrator = self.integrator.map_or(Integrator::Mmlt, Integrator::from);
-        self.check_options(integrator)?;
-        let defaults = Settings::new(integrator);
+        if self.target_error.is_some() && self.options.chains == Some(1) {
+            bail!(
+                "--target-error needs --chains 2 or more: the error is estimated from the spread of the chains"
+            );
+        }
+        let defaults = Settings::of(self.options.integrator(self.integrator)?);
         Ok(Settings {
-            integrator,
             budget: match (self.spp, self.time) {
                 (Some(n), _) => Budget::SamplesPerPixel(n),
                 (None, Some(seconds)) => Budget::Seconds(seconds),
@@ -297,71 +171,8 @@ impl Args {
             error: self.error,
             target_error: self.target_error,
             seed: self.seed,
-            threads: self.threads,
-            large_step_probability: self
-                .large_step_probability
-                .unwrap_or(defaults.large_step_probability),
-            small_step: self.small_step.unwrap_or(defaults.small_step),
-            chains: self.chains.unwrap_or(defaults.chains),
-            bootstrap: self.bootstrap,
-            division: DivisionSettings {
-                separate_direct: self.direct != Some(DirectName::Joint),
-                importance: !self.no_importance_map,
-                threshold: self.threshold,
-            },
+            threads: self.run.threads,
+            ..defaults
         })
-    }
-
-    /// Options that mean something to some integrators alone must come with one of them.
-    fn check_options(&self, integrator: Integrator) -> miette::Result<()> {
-        let (pssmlt, mmlt) = (Integrator::Pssmlt, Integrator::Mmlt);
-        let large_step = self.large_step_probability.is_some();
-        let of_some = [
-            ("--large-step-probability", large_step, &[pssmlt][..]),
-            ("--small-step", self.small_step.is_some(), &[pssmlt, mmlt]),
-            ("--chains", self.chains.is_some(), &[pssmlt]),
-            ("--bootstrap", self.bootstrap.is_some(), &[pssmlt]),
-            ("--direct", self.direct.is_some(), &[mmlt]),
-            ("--no-importance-map", self.no_importance_map, &[mmlt]),
-            ("--threshold", self.threshold.is_some(), &[mmlt]),
-        ];
-        for (option, given, of) in of_some {
-            match self.integrator {
-                Some(name) if given && !of.contains(&integrator) => {
-                    bail!("{option} means nothing to the integrator {name}")
-                }
-                None if given => bail!("{option} needs --integrator {}", of[0].name()),
-                _ => {}
-            }
-        }
-        if integrator.is_metropolis() && self.target_error.is_some() && self.chains == Some(1) {
-            bail!("--target-error needs two chains at least: the error is seen from their spread");
-        }
-        Ok(())
-    }
-}
-
-/// How long the scene took to open.
-pub fn opening(opened: &Opened) -> String {
-    format!(
-        "loaded in {}, acceleration structure built in {}",
-        figures::duration(opened.load_seconds),
-        figures::duration(opened.build_seconds),
-    )
-}
-
-/// Prints command lines that show contributions which were not finite.
-pub fn print_replays(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
-    let origins = &statistics.non_finite_origins;
-    for &origin in origins.iter().take(MOST_REPLAYS) {
-        let command = replay::command(scene, settings, origin);
-        tell(format_args!("not finite: {command}"));
-    }
-}
-
-/// Prints warnings on stderr, whether quiet or not.
-pub fn print_warnings(warnings: &[String]) {
-    for warning in warnings {
-        tell(format_args!("warning: {warning}"));
     }
 }

@@ -1,24 +1,24 @@
-//! `metrolight replay`: one sample of a render, made again and taken apart.
+//! `metrolight replay`: repeats one sample of a render and shows its paths.
 
 use glam::DVec3;
-use metrolight::integrators::Technique;
-use metrolight::markov::SmallStep;
+use metrolight::markov::Perturbation;
 use metrolight::math::color::is_light;
 use metrolight::path::Vertex;
-use metrolight::render::{Origin, Replay, Settings};
+use metrolight::render::{
+    Integrator, Method, PssmltSettings, Replay, SampleId, Settings, Statistics,
+};
 use metrolight::scene::Scene;
-use metrolight::technique::Connection;
+use metrolight::technique::PathContribution;
 use miette::bail;
 
-use super::render::{IntegratorName, print_warnings};
+use super::names::IntegratorName;
 use super::source::SceneArgs;
-use super::{Outcome, say, values};
+use super::{Outcome, eprint, print, values, warn};
 
-/// Make one sample of a render again and show its paths
+/// Repeat one sample of a render and show its paths
 ///
-/// A render prints the command line for each of the first samples that were not finite. Where the
-/// sample came from, the integrator and the seed say all; the size of the image, the longest path and
-/// variables must be those of the render.
+/// A render prints this command for each of the first samples that were not finite. The integrator,
+/// the seed and --at identify the sample; --size, --max-depth and -D must be those of the render.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -30,48 +30,60 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Method of the render
-    #[arg(long, default_value_t = Settings::default().integrator.into())]
+    /// Integrator of the render
+    #[arg(long, default_value_t = Method::Pssmlt.into())]
     integrator: IntegratorName,
 
     /// Seed of the render
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Where the sample came from, as the render printed it
-    #[arg(long, value_name = "ORIGIN", value_parser = str::parse::<Origin>)]
-    at: Origin,
+    /// The sample, as the render printed it
+    #[arg(long, value_name = "SAMPLE", value_parser = str::parse::<SampleId>)]
+    at: SampleId,
 
-    /// Probability of a large step in the render, for a sample of a chain
+    /// For a sample of a chain: the probability of a large step in the render
     #[arg(
         long,
         value_name = "P",
         value_parser = values::probability,
-        default_value_t = Settings::default().large_step_probability
+        default_value_t = PssmltSettings::default().large_step_probability
     )]
     large_step_probability: f32,
 
-    /// Small steps in the render, for a sample of a chain [default: those of the integrator]
+    /// For a sample of a chain: the small steps in the render [default: those of the integrator]
     #[arg(long, value_name = "STEP", value_parser = values::small_step)]
-    small_step: Option<SmallStep>,
+    small_step: Option<Perturbation>,
 }
 
-/// The command line that shows the sample of a render that came from `origin`.
-pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String {
+/// Maximum number of command lines that a render prints.
+const MAX_COMMANDS: usize = 8;
+
+/// Prints command lines that replay the first samples of a render that were not finite.
+pub fn print_commands(scene: &SceneArgs, settings: &Settings, statistics: &Statistics) {
+    for &sample in statistics.non_finite_samples.iter().take(MAX_COMMANDS) {
+        eprint(format_args!(
+            "not finite: {}",
+            command(scene, settings, sample)
+        ));
+    }
+}
+
+/// The command line that replays a sample of a render.
+fn command(scene: &SceneArgs, settings: &Settings, sample: SampleId) -> String {
     let mut words = format!(
-        "metrolight replay {} --integrator {} --seed {} --at {origin}",
+        "metrolight replay {} --integrator {} --seed {} --at {sample}",
         scene.words(),
-        settings.integrator.name(),
+        settings.method().name(),
         settings.seed
     );
-    let usual = Settings::new(settings.integrator);
-    if matches!(origin, Origin::Mutation { .. }) {
-        let (p, step) = (settings.large_step_probability, settings.small_step);
-        if p != usual.large_step_probability {
-            words += &format!(" --large-step-probability {p}");
+    if let (SampleId::Mutation { .. }, Integrator::Pssmlt(own)) = (sample, &settings.integrator) {
+        let defaults = PssmltSettings::default();
+        if own.large_step_probability != defaults.large_step_probability {
+            words += &format!(" --large-step-probability {}", own.large_step_probability);
         }
-        if step != usual.small_step {
-            words += &format!(" --small-step {step}");
+        if own.small_step != defaults.small_step {
+            words += &format!(" --small-step {}", own.small_step);
         }
     }
     words
@@ -80,20 +92,21 @@ pub fn command(scene: &SceneArgs, settings: &Settings, origin: Origin) -> String
 /// Prints subpaths and connections on stdout.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
-    let usual = Settings::new(args.integrator.into());
-    let settings = Settings {
+    warn(&opened.warnings);
+    let mut settings = Settings {
         seed: args.seed,
-        large_step_probability: args.large_step_probability,
-        small_step: args.small_step.unwrap_or(usual.small_step),
-        ..usual
+        ..Settings::new(args.integrator.into())
     };
+    if let Integrator::Pssmlt(own) = &mut settings.integrator {
+        own.large_step_probability = args.large_step_probability;
+        own.small_step = args.small_step.unwrap_or(own.small_step);
+    }
     let scene = &opened.scene;
     let replay = match Replay::run(scene, &settings, args.at) {
         Ok(replay) => replay,
         Err(error) => bail!("--at {}: {error}", args.at),
     };
-    say(format_args!(
+    print(format_args!(
         "{} of {}, {}, seed {}",
         args.at,
         args.scene.path.display(),
@@ -112,20 +125,20 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         'y',
         replay.workspace.light_vertices(),
     );
-    if replay.connections.is_empty() {
-        say("no technique finds light");
+    if replay.contributions.is_empty() {
+        print("no technique found light");
     }
-    for (technique, connection) in &replay.connections {
-        say(found(scene, &replay, *technique, connection));
+    for path in &replay.contributions {
+        print(path_line(scene, path));
     }
     Ok(Outcome::Done)
 }
 
 fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
-    say(format_args!("{name}: {} surface vertices", vertices.len()));
+    print(format_args!("{name}: {} surface vertices", vertices.len()));
     for (i, vertex) in (1..).zip(vertices) {
         let surface = &vertex.surface;
-        say(format_args!(
+        print(format_args!(
             "  {letter}_{i} at {} on {}, {}; alpha {}",
             triple(scene.to_world(surface.position)),
             scene.geometry.shape_name(surface.shape),
@@ -135,27 +148,25 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
     }
 }
 
-/// A connection in a line: technique, pixel, value and weight.
-fn found(scene: &Scene, replay: &Replay, technique: Technique, connection: &Connection) -> String {
-    let film = connection.position(replay.film);
-    let contribution = connection.contribution();
-    let fault = if is_light(contribution) {
+/// One line for a path: technique, film position, value and weight.
+fn path_line(scene: &Scene, path: &PathContribution) -> String {
+    let fault = if is_light(path.splat().value) {
         ""
     } else {
         "  <- not finite or negative: left out of the image"
     };
     format!(
         "technique s = {}, t = {} at film position ({:.2}, {:.2}): value {} x weight {}{fault}",
-        technique.s,
-        technique.t,
-        film.x * scene.film.width as f32,
-        film.y * scene.film.height as f32,
-        triple(connection.value.as_dvec3()),
-        connection.weight,
+        path.technique.s(),
+        path.technique.t(),
+        path.film.x * scene.film.width as f32,
+        path.film.y * scene.film.height as f32,
+        triple(path.value.as_dvec3()),
+        path.weight,
     )
 }
 
-/// Three numbers to six digits; in plain decimals where these are short.
+/// Three numbers with six decimals, in scientific notation if they are very small or large.
 fn triple(v: DVec3) -> String {
     let number = |x: f64| match x.abs() {
         0.0 => "0".into(),

@@ -1,32 +1,34 @@
-//! The scene that a command is about.
+//! The scene that a command reads.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use metrolight::analysis::trapped_light;
+use metrolight::analysis::{lost_light, trapped_light};
 use metrolight::mitsuba::{self, Overrides};
 use metrolight::scene::Scene;
+use metrolight::technique::TechniqueSet;
 use miette::IntoDiagnostic;
 
-use super::values;
+use super::numbers::duration;
+use super::{values, wording};
 
-/// Which scene, and what shall be otherwise than its file says.
+/// A scene file, and overrides of its settings.
 #[derive(clap::Args)]
 pub struct SceneArgs {
-    /// Scene file: XML as Mitsuba 3 reads it (versions 0.5 to 3)
+    /// Scene file in Mitsuba's XML format (versions 0.5 to 3)
     #[arg(value_name = "SCENE")]
     pub path: PathBuf,
 
-    /// Give a variable of the scene ($NAME) a value; may be repeated
+    /// Set a variable of the scene ($NAME); may be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define)]
     pub defines: Vec<(String, String)>,
 
-    /// Size of the image in pixels [default: as the scene says]
+    /// Size of the image in pixels [default: that of the scene file]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<[u32; 2]>,
 
-    /// Longest path in edges: 1 shows emitters alone, 2 adds direct light, -1 has no limit
-    /// [default: as the scene says]
+    /// Maximum number of edges of a path: 1 shows emitters only, 2 adds direct light, -1 is unlimited
+    /// [default: that of the scene file]
     #[arg(
         long,
         value_name = "N",
@@ -36,15 +38,32 @@ pub struct SceneArgs {
     pub max_depth: Option<values::MaxDepth>,
 }
 
-/// A scene ready to be rendered, and what it took.
+/// A scene that is ready to be rendered.
 pub struct Opened {
     pub scene: Scene,
-    /// What is strange about its files, and about the scene whatever the integrator.
+    /// Warnings about its files, and about the scene for any integrator.
     pub warnings: Vec<String>,
-    /// For reading and decoding all files.
+    /// Time to read and decode all files.
     pub load_seconds: f64,
-    /// For the acceleration structure and the emitters' distributions.
+    /// Time to build the acceleration structure and the emitters' distributions.
     pub build_seconds: f64,
+}
+
+impl Opened {
+    /// How long opening the scene took.
+    pub fn times(&self) -> String {
+        format!(
+            "loaded in {}, acceleration structure built in {}",
+            duration(self.load_seconds),
+            duration(self.build_seconds),
+        )
+    }
+
+    /// Warnings of light that `techniques` cannot find, or only rarely.
+    pub fn lost_light(&self, techniques: TechniqueSet) -> Vec<String> {
+        let lost = lost_light(&self.scene, techniques);
+        lost.iter().map(wording::lost_light).collect()
+    }
 }
 
 impl SceneArgs {
@@ -65,7 +84,7 @@ impl SceneArgs {
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
         let build_seconds = start.elapsed().as_secs_f64();
-        warnings.extend(trapped_light(&scene).map(|trapped| trapped.to_string()));
+        warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
         Ok(Opened {
             scene,
             warnings,
@@ -74,7 +93,7 @@ impl SceneArgs {
         })
     }
 
-    /// The arguments that name this scene, for a command line that is printed.
+    /// The arguments for this scene, for a command line that is printed.
     pub fn words(&self) -> String {
         let mut words = vec![quoted(&self.path.to_string_lossy())];
         for (name, value) in &self.defines {
@@ -92,7 +111,7 @@ impl SceneArgs {
         words.join(" ")
     }
 
-    /// How the scene is called: by its file's stem or, if that is `scene`, by its folder.
+    /// The name of the scene: its file's stem or, if that is `scene`, the name of its directory.
     pub fn name(&self) -> miette::Result<String> {
         let absolute = std::path::absolute(&self.path).into_diagnostic()?;
         let stem = absolute.file_stem().unwrap_or_default();
@@ -105,7 +124,7 @@ impl SceneArgs {
     }
 }
 
-/// A word as shells want it, in quotes where it needs them.
+/// A word for a shell, in quotes if needed.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -120,7 +139,7 @@ mod tests {
     use super::quoted;
 
     #[test]
-    fn words_are_quoted_where_a_shell_would_split_them() {
+    fn words_with_special_characters_are_quoted() {
         assert_eq!(quoted("a/b.xml"), "a/b.xml");
         assert_eq!(quoted("x=1, 2"), "'x=1, 2'");
         assert_eq!(quoted("it's"), "'it'\\''s'");

@@ -1,10 +1,12 @@
-//! Values of arguments, with messages that say what would be right.
+//! Parsers of argument values. Their messages say what was expected.
 
+use std::fmt::Display;
 use std::path::PathBuf;
+use std::str::FromStr;
 
-use metrolight::markov::SmallStep;
+use metrolight::markov::Perturbation;
 
-/// Seconds, from `60`, `60s`, `2m` or `1.5h`.
+/// A time in seconds, from `60`, `60s`, `2m` or `1.5h`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.char_indices().next_back() {
         Some((i, 's')) => (&text[..i], 1.0),
@@ -14,7 +16,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     };
     match number.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value * unit),
-        _ => Err("a time above 0 is needed, such as 60s, 2m, 1.5h or 90".into()),
+        _ => Err("expected a time above 0, such as 60s, 2m, 1.5h or 90".into()),
     }
 }
 
@@ -23,31 +25,37 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     let pixels = |side: &str| side.parse().ok().filter(|&n: &u32| n > 0);
     text.split_once('x')
         .and_then(|(width, height)| Some([pixels(width)?, pixels(height)?]))
-        .ok_or_else(|| "width and height in pixels are needed, both at least 1: 640x480".into())
+        .ok_or_else(|| {
+            "expected width and height in pixels, both at least 1, such as 640x480".into()
+        })
 }
 
-/// Stops of exposure, each twice as bright as the one before.
+/// The value of `text` if it can be parsed and is accepted.
+fn parse<T: FromStr>(
+    text: &str,
+    accepts: impl Fn(&T) -> bool,
+    expected: impl Display,
+) -> Result<T, String> {
+    let value = text.parse().ok().filter(accepts);
+    value.ok_or_else(|| format!("expected {expected}"))
+}
+
+/// An exposure in stops: each doubles the brightness.
 pub fn stops(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|stops: &f64| stops.abs() <= MOST_STOPS)
-        .ok_or_else(|| format!("a number of stops from -{MOST_STOPS} to {MOST_STOPS} is needed"))
+    let expected = format_args!("a number of stops from -{MAX_STOPS} to {MAX_STOPS}");
+    parse(text, |stops: &f64| stops.abs() <= MAX_STOPS, expected)
 }
 
-/// No screen shows the difference beyond.
-const MOST_STOPS: f64 = 60.0;
+/// Larger exposures turn every image white or black.
+const MAX_STOPS: f64 = 60.0;
 
 /// A number from 0 to 1.
 pub fn probability(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|p| (0.0..=1.0).contains(p))
-        .ok_or_else(|| "a number from 0 to 1 is needed".into())
+    parse(text, |p| (0.0..=1.0).contains(p), "a number from 0 to 1")
 }
 
-/// A small step: lengths with evenly distributed logarithms between two bounds, or normally
-/// distributed ones.
-pub fn small_step(text: &str) -> Result<SmallStep, String> {
+/// A small step: log-uniform between two lengths, or Gaussian.
+pub fn small_step(text: &str) -> Result<Perturbation, String> {
     let length = |text: &str| {
         let parsed: Option<f32> = text.parse().ok();
         parsed.filter(|length| (1e-7..=0.5).contains(length))
@@ -55,85 +63,72 @@ pub fn small_step(text: &str) -> Result<SmallStep, String> {
     let parts: Vec<&str> = text.split(':').collect();
     let step = match parts[..] {
         ["log", shortest, longest] => match (length(shortest), length(longest)) {
-            (Some(a), Some(b)) if a <= b => Some(SmallStep::new(a, b)),
+            (Some(a), Some(b)) if a <= b => Some(Perturbation::new(a, b)),
             _ => None,
         },
         ["gaussian", deviation] => {
-            length(deviation).map(|deviation| SmallStep::Gaussian { deviation })
+            length(deviation).map(|deviation| Perturbation::Gaussian { deviation })
         }
         _ => None,
     };
     step.ok_or_else(|| {
-        "log:SHORTEST:LONGEST or gaussian:DEVIATION is needed, with lengths from 1e-7 to 0.5, such \
-         as log:0.001:0.016"
+        "expected log:SHORTEST:LONGEST or gaussian:DEVIATION with lengths from 1e-7 to 0.5, such as \
+         log:0.001:0.016"
             .into()
     })
 }
 
-/// A brightness beyond which chains take over.
+/// A brightness above which chains take over.
 pub fn threshold(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|t: &f32| *t >= 0.0 && t.is_finite())
-        .ok_or_else(|| "a number from 0 on is needed".into())
+    let accepts = |t: &f32| *t >= 0.0 && t.is_finite();
+    parse(text, accepts, "a number of at least 0")
 }
 
-/// A whole number from 1 on.
+/// An integer of at least 1.
 pub fn positive(text: &str) -> Result<u64, String> {
-    text.parse()
-        .ok()
-        .filter(|&n: &u64| n > 0)
-        .ok_or_else(|| "a whole number from 1 on is needed".into())
+    parse(text, |&n: &u64| n > 0, "an integer of at least 1")
 }
 
 /// A number of Markov chains.
 pub fn chains(text: &str) -> Result<u64, String> {
-    text.parse()
-        .ok()
-        .filter(|n| (1..=MOST_CHAINS).contains(n))
-        .ok_or_else(|| format!("a number of chains from 1 to {MOST_CHAINS} is needed"))
+    let expected = format_args!("a number of chains from 1 to {MAX_CHAINS}");
+    parse(text, |n| (1..=MAX_CHAINS).contains(n), expected)
 }
 
-/// A chain takes some kilobytes.
-const MOST_CHAINS: u64 = 1 << 20;
+/// A limit on memory: a chain takes some kilobytes.
+const MAX_CHAINS: u64 = 1 << 20;
 
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|n| (1..=MOST_THREADS).contains(n))
-        .ok_or_else(|| format!("a number of threads from 1 to {MOST_THREADS} is needed"))
+    let expected = format_args!("a number of threads from 1 to {MAX_THREADS}");
+    parse(text, |n| (1..=MAX_THREADS).contains(n), expected)
 }
 
-/// More than any machine has; beyond it the operating system refuses.
-const MOST_THREADS: usize = 512;
+/// The operating system refuses to start many more.
+const MAX_THREADS: usize = 512;
 
-/// A level of significance.
+/// A significance level.
 pub fn level(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|a: &f64| *a > 0.0 && *a < 1.0)
-        .ok_or_else(|| "a number between 0 and 1 is needed, such as 1e-3".into())
+    let accepts = |a: &f64| *a > 0.0 && *a < 1.0;
+    parse(text, accepts, "a number between 0 and 1, such as 1e-3")
 }
 
-/// A relMSE to stop at.
+/// A relMSE at which a render stops.
 pub fn target_error(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|e: &f64| *e > 0.0 && e.is_finite())
-        .ok_or_else(|| "a relMSE above 0 is needed, such as 0.01".into())
+    let accepts = |e: &f64| *e > 0.0 && e.is_finite();
+    parse(text, accepts, "a relMSE above 0, such as 0.01")
 }
 
-/// A limit on the edges of a path; `None` for none, which is written -1.
+/// Maximum number of edges of a path; `None` for no limit, which is written -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaxDepth(pub Option<u32>);
 
-/// A limit on the edges of a path.
+/// A maximum number of edges.
 pub fn max_depth(text: &str) -> Result<MaxDepth, String> {
     match text.parse::<i64>() {
         Ok(-1) => Ok(MaxDepth(None)),
         Ok(depth @ 1..=0xffff_ffff) => Ok(MaxDepth(Some(depth as u32))),
-        _ => Err("a number of edges from 1 on is needed, or -1 for no limit".into()),
+        _ => Err("expected a number of edges, at least 1, or -1 for no limit".into()),
     }
 }
 
@@ -141,29 +136,25 @@ pub fn max_depth(text: &str) -> Result<MaxDepth, String> {
 pub fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
-        _ => Err("a name and a value are needed: name=value".into()),
+        _ => Err("expected a name and a value: name=value".into()),
     }
 }
 
 /// A path that ends in `.exr`.
 pub fn exr_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("exr") {
-        Ok(path)
-    } else {
-        Err("a name that ends in .exr is needed; the preview beside it ends in .png".into())
-    }
+    path(text, "exr")
 }
 
 /// A path that ends in `.html`.
 pub fn html_path(text: &str) -> Result<PathBuf, String> {
+    path(text, "html")
+}
+
+fn path(text: &str, extension: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("html") {
-        Ok(path)
-    } else {
-        Err("a name that ends in .html is needed".into())
+    match path.extension() {
+        Some(found) if found.eq_ignore_ascii_case(extension) => Ok(path),
+        _ => Err(format!("expected a name that ends in .{extension}")),
     }
 }
 

@@ -1,15 +1,15 @@
-//! The chart of error against time and against rays.
+//! Charts of error against time and against rays.
 
 use super::curve::Reached;
 use super::{Cost, Curve, Measure, Variant};
 use crate::plot::{Axis, Chart, Mark, PlotError, Series, draw};
 
-/// Three charts side by side as an SVG document: relMSE against seconds and against rays, and without
-/// the worst 0.1% of the pixels against seconds; a line and a band (least to greatest of all repeats)
-/// for each curve, and the reference's own expected relMSE, if it is known, as a broken line.
+/// Three charts side by side as an SVG document: relMSE against seconds and against rays, and relMSE
+/// without the worst 0.1% of the pixels against seconds. Each curve has a line and a band from the least
+/// to the greatest of all repeats. A dashed line shows the reference's own expected relMSE, if known.
 ///
 /// # Errors
-/// If there is nothing to draw.
+/// If the charts cannot be drawn.
 pub fn convergence_chart(
     title: &str,
     variants: &[Variant],
@@ -21,17 +21,17 @@ pub fn convergence_chart(
         (Cost::Rays, Measure::Whole),
         (Cost::Seconds, Measure::Trimmed),
     ];
-    let charts = panels.map(|panel| Chart {
+    let charts = panels.map(|(cost, measure)| Chart {
         title: title.into(),
-        x: Axis::logarithmic(match panel.0 {
+        x: Axis::logarithmic(match cost {
             Cost::Seconds => "seconds of rendering",
             Cost::Rays => "rays",
         }),
-        y: Axis::logarithmic(match panel.1 {
+        y: Axis::logarithmic(match measure {
             Measure::Whole => "relMSE",
             Measure::Trimmed => "relMSE without the worst 0.1% of the pixels",
         }),
-        series: series(variants, curves, reference_error, panel),
+        series: series(variants, curves, reference_error, cost, measure),
     });
     draw(&charts, 3)
 }
@@ -40,7 +40,8 @@ fn series(
     variants: &[Variant],
     curves: &[Curve],
     reference_error: Option<f64>,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> Vec<Series> {
     let ends = curves.iter().flat_map(|curve| {
         let ends = [curve.points.first(), curve.points.last()];
@@ -58,7 +59,7 @@ fn series(
     let line = |(i, curve): (usize, &Curve)| {
         let points = curve.points.iter();
         Series {
-            label: legend(variants, curves, i, (cost, measure)),
+            label: legend(variants, curves, i, cost, measure),
             points: points
                 .clone()
                 .map(|p| [p.cost(cost), p.error(measure)])
@@ -82,14 +83,15 @@ fn legend(
     variants: &[Variant],
     curves: &[Curve],
     i: usize,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> String {
     let label = &variants[i].label;
     let slope = curves[i].slope(cost, measure);
     let slope = slope.map_or_else(String::new, |slope| format!("slope {slope:.2}"));
     let parts = [
         slope,
-        comparison(variants, curves, i, (cost, measure)).unwrap_or_default(),
+        comparison(variants, curves, i, cost, measure).unwrap_or_default(),
     ];
     let said: Vec<&str> = parts
         .iter()
@@ -103,13 +105,14 @@ fn legend(
     }
 }
 
-/// What variant `i` needs to reach the error that the baseline has at the end: `reaches bdpt's 60 s
-/// error in 4.1 s`. `None` for the baseline itself, and where nothing was measured.
+/// The cost at which variant `i` reaches the final error of the baseline: `reaches bdpt's 60 s error in
+/// 4.1 s`. `None` for the baseline itself, and without measurements.
 pub fn comparison(
     variants: &[Variant],
     curves: &[Curve],
     i: usize,
-    (cost, measure): (Cost, Measure),
+    cost: Cost,
+    measure: Measure,
 ) -> Option<String> {
     let (baseline, end) = (variants.first()?, curves.first()?.end()?);
     if i == 0 {
@@ -124,7 +127,7 @@ pub fn comparison(
         match curves.get(i)?.reaches(end.error(measure), cost, measure)? {
             Reached::At(x) => format!("reaches {whose} in {}", amount(x, cost)),
             Reached::Before(x) => format!(
-                "is below {whose} from the first look on, at {}",
+                "is below {whose} from the first measurement on, at {}",
                 amount(x, cost)
             ),
             Reached::Never(ratio) => format!("ends at {ratio:.2} times {whose}"),
@@ -132,7 +135,7 @@ pub fn comparison(
     )
 }
 
-/// `4.1 s`, or `1.2e8 rays`.
+/// A cost with its unit: `4.1 s`, or `1.2e8 rays`.
 fn amount(x: f64, cost: Cost) -> String {
     match cost {
         Cost::Seconds if x < 9.95 => format!("{x:.1} s"),
@@ -162,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_legend_says_who_is_how_much_faster() {
+    fn the_legend_compares_with_the_baseline() {
         let variant = |method: Method| Variant {
             label: method.name().into(),
             settings: Settings::new(method),
@@ -173,12 +176,12 @@ mod tests {
             curve(&[2.0, 1.0, 0.5, 0.25]),
             curve(&[8.0, 4.0, 3.0, 3.0]),
         ];
-        let said = |i| comparison(&variants, &curves, i, (Cost::Seconds, Measure::Whole));
+        let said = |i| comparison(&variants, &curves, i, Cost::Seconds, Measure::Whole);
         assert_eq!(said(0), None);
         assert_eq!(said(1).unwrap(), "reaches bdpt's 8.0 s error in 2.0 s");
         assert_eq!(said(2).unwrap(), "ends at 3.00 times bdpt's 8.0 s error");
         assert_eq!(
-            legend(&variants, &curves, 1, (Cost::Rays, Measure::Trimmed)),
+            legend(&variants, &curves, 1, Cost::Rays, Measure::Trimmed),
             "pssmlt: slope -1.00, reaches bdpt's 8.0e6 rays error in 2.0e6 rays"
         );
         let svg = convergence_chart("title", &variants, &curves, Some(0.1)).unwrap();

@@ -1,9 +1,9 @@
-//! From measurements to curves: means over repeats, slopes, and who is how much faster.
+//! Convergence curves: means over repeats, slopes, and the cost to reach an error.
 
 use super::Measurement;
 use crate::metrics::ImageError;
 
-/// What an error is paid with.
+/// Cost of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
     /// Seconds of rendering.
@@ -12,12 +12,12 @@ pub enum Cost {
     Rays,
 }
 
-/// Which error.
+/// Error of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// relMSE of all pixels.
     Whole,
-    /// relMSE without the worst 0.1% of the pixels: what is left when single bright dots are forgiven.
+    /// relMSE without the worst 0.1% of the pixels: the error without single bright dots.
     Trimmed,
 }
 
@@ -31,25 +31,25 @@ impl Measure {
     }
 }
 
-/// A moment of all repeats together.
+/// Mean over all repeats at a scheduled time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct CurvePoint {
     /// Mean seconds.
     pub seconds: f64,
     /// Mean number of rays.
     pub rays: f64,
-    /// Mean relMSE: its expectation is the quantity that seeds do not change.
+    /// Mean relMSE: an estimate of the expected relMSE.
     pub relative_mse: f64,
     /// Least and greatest relMSE of any repeat.
     pub spread: [f64; 2],
     /// Mean relMSE without the worst 0.1% of the pixels.
     pub relative_mse_trimmed: f64,
-    /// Least and greatest of them.
+    /// Least and greatest of these of any repeat.
     pub spread_trimmed: [f64; 2],
 }
 
 impl CurvePoint {
-    /// What has been paid.
+    /// The mean cost.
     pub fn cost(&self, cost: Cost) -> f64 {
         match cost {
             Cost::Seconds => self.seconds,
@@ -77,33 +77,33 @@ impl CurvePoint {
 /// The error of one variant against its cost.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Curve {
-    /// In the order of cost.
+    /// Points in the order of cost.
     pub points: Vec<CurvePoint>,
 }
 
-/// How the time to some error is known.
+/// Cost to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reached {
-    /// At this cost, between two measurements.
+    /// Reached at this cost, between two measurements.
     At(f64),
-    /// Before the first measurement, which is at this cost.
+    /// Reached before the first measurement, which is at this cost.
     Before(f64),
-    /// Not until the end; the error is there this many times the one asked for.
+    /// Not reached: the final error is this multiple of the given one.
     Never(f64),
 }
 
 impl Curve {
-    /// The curve of variant `variant`, from those moments that all its `repeats` have measured.
+    /// The curve of variant `variant`, from the scheduled times that all its repeats have measured.
     pub fn new(measurements: &[Measurement], variant: usize) -> Self {
         let of_variant = || measurements.iter().filter(move |m| m.variant == variant);
         let repeats = 1 + of_variant().map(|m| m.repeat).max().unwrap_or(0);
-        let moments = 1 + of_variant().map(|m| m.index).max().unwrap_or(0);
+        let times = 1 + of_variant().map(|m| m.index).max().unwrap_or(0);
         let point = |index: usize| {
             let at: Vec<&Measurement> = of_variant().filter(|m| m.index == index).collect();
             (at.len() as u64 == repeats).then(|| CurvePoint::mean(&at))
         };
         Self {
-            points: (0..moments).filter_map(point).collect(),
+            points: (0..times).filter_map(point).collect(),
         }
     }
 
@@ -112,8 +112,8 @@ impl Curve {
         self.points.last()
     }
 
-    /// Least squares slope of log error over log cost, over the last eighth of the cost: -1 for
-    /// independent samples without bias. `None` if there are fewer than three points.
+    /// Least-squares slope of log error over log cost, over all costs above an eighth of the last: -1
+    /// for independent samples without bias. `None` if there are fewer than three points.
     pub fn slope(&self, cost: Cost, measure: Measure) -> Option<f64> {
         let last = self.end()?.cost(cost);
         let logs: Vec<[f64; 2]> = self
@@ -132,9 +132,9 @@ impl Curve {
         (variance > 0.0).then(|| covariance / variance)
     }
 
-    /// The cost from which on the error is `error` or less, straight lines between measurements in
-    /// logarithms of both. From which on: an error that rises again, as when a chain stays in one
-    /// state, had not been reached. `None` without measurements.
+    /// The cost after which the error stays at `error` or below, by linear interpolation of log error
+    /// over log cost. An error that rises above it again, as when a chain is stuck in one state, does
+    /// not count as reached. `None` without measurements.
     pub fn reaches(&self, error: f64, cost: Cost, measure: Measure) -> Option<Reached> {
         let end = self.end()?.error(measure);
         if end > error {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn one_over_time_has_slope_minus_one_and_reaches_what_it_should() {
+    fn one_over_time_has_slope_minus_one_and_reaches_errors_at_their_cost() {
         let curve = one_over_time();
         for cost in [Cost::Seconds, Cost::Rays] {
             let slope = curve.slope(cost, Measure::Whole).unwrap();
@@ -222,11 +222,11 @@ mod tests {
             panic!("1/128 is beyond the end");
         };
         assert!((ratio - 2.0).abs() < 1e-3);
-        // Up again in the middle, and down again.
+        // The error rises above 0.1 again in the middle.
         let mut humped = one_over_time();
         humped.points[4].relative_mse = 0.5;
         let Some(Reached::At(seconds)) = humped.reaches(0.1, Cost::Seconds, Measure::Whole) else {
-            panic!("0.1 is reached for good after 16 s");
+            panic!("0.1 is reached after 16 s");
         };
         assert!((16.0..32.0).contains(&seconds), "{seconds}");
         assert_eq!(
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_means_of_moments_that_all_repeats_have() {
+    fn points_are_means_at_times_that_all_repeats_have() {
         let all = [
             measurement(1, 0, 0, 1.0, 0.5),
             measurement(1, 0, 1, 2.0, 0.1),

@@ -1,60 +1,60 @@
-//! The runs of an experiment, and what was measured in them.
+//! The renders of an experiment, and the errors measured in them.
 
 use std::time::Instant;
 
-use super::recorder::{Measured, Recorder, Schedule};
+use super::recorder::{ExperimentProgress, Recorder};
 use crate::film::Image;
-use crate::metrics::{ImageError, image_errors};
-use crate::render::{Observer, Progress, Settings, render};
+use crate::metrics::ImageError;
+use crate::render::{Observer, Progress, Settings, Warning, render};
 use crate::scene::Scene;
 
-/// A way to render the scene.
+/// Settings that the scene is rendered with.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What it is called in tables and charts.
+    /// Name in tables and charts.
     pub label: String,
-    /// Repeat i adds i to the seed.
+    /// Settings of the first repeat; repeat i adds i to the seed.
     pub settings: Settings,
 }
 
-/// What is to be measured.
+/// An experiment to run.
 pub struct Experiment<'a> {
-    /// What is rendered.
+    /// The scene to render.
     pub scene: &'a Scene,
-    /// The truth, as far as it is known; of the scene's size.
+    /// Image that errors are measured against, of the scene's size.
     pub reference: &'a Image,
-    /// Ways to render it. The first is the baseline that others are compared with.
+    /// Settings to compare. The first variant is the baseline.
     pub variants: &'a [Variant],
-    /// Renders of each.
+    /// Number of renders of each variant.
     pub repeats: u64,
 }
 
-/// One image, measured.
+/// The error of an image at a time of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// Index of the variant.
     pub variant: usize,
-    /// Which repeat, from 0.
+    /// Index of the repeat.
     pub repeat: u64,
-    /// Which of the scheduled progresss, from 0: the same in all repeats of a variant.
+    /// Index of the scheduled time, the same in all repeats of a variant.
     pub index: usize,
-    /// How much had been done.
+    /// Work done so far.
     pub progress: Progress,
-    /// Against the reference.
+    /// Error against the reference.
     pub error: ImageError,
 }
 
-/// What came of an experiment.
+/// Results of an experiment.
 #[derive(Debug, Default)]
 pub struct Outcome {
-    /// All measurements, render by render in the order of their making.
+    /// All measurements, in the order in which they were made.
     pub measurements: Vec<Measurement>,
-    /// Per variant, the last image of its first repeat; shorter if the observer stopped before.
+    /// Per variant, the final image of its first repeat; fewer if the observer interrupted.
     pub images: Vec<Image>,
-    /// The observer stopped it: the render that it stopped counts for nothing.
+    /// The observer interrupted. The interrupted render is discarded.
     pub interrupted: bool,
-    /// What the user should know of the renders, each line once.
-    pub warnings: Vec<String>,
+    /// Warnings of all renders, each with the index of its variant.
+    pub warnings: Vec<(usize, Warning)>,
 }
 
 impl Experiment<'_> {
@@ -64,47 +64,42 @@ impl Experiment<'_> {
     /// If the threads of a render cannot be started.
     pub fn run(&self, observer: &dyn Observer) -> Result<Outcome, rayon::ThreadPoolBuildError> {
         observer.phase("rendering");
-        let start = Instant::now();
-        let elapsed = || start.elapsed().as_secs_f64();
         let mut outcome = Outcome::default();
-        let all = self.variants.len() * self.repeats as usize;
-        for done in 0..all {
-            let (variant, repeat) = (done % self.variants.len(), done / self.variants.len());
-            self.render(
-                &mut outcome,
-                [variant, repeat],
-                [done, all],
-                &elapsed,
-                observer,
-            )?;
-            if outcome.interrupted {
-                break;
+        let variants = 0..self.variants.len();
+        let mut progress = ExperimentProgress {
+            start: Instant::now(),
+            done: 0,
+            count: self.repeats * variants.len() as u64,
+        };
+        for repeat in 0..self.repeats {
+            for variant in variants.clone() {
+                let recorder = Recorder::new(
+                    observer,
+                    progress,
+                    self.variants[variant].settings.budget,
+                    self.reference,
+                );
+                self.render(variant, repeat, recorder, &mut outcome)?;
+                if outcome.interrupted {
+                    return Ok(outcome);
+                }
+                progress.done += 1;
             }
         }
         Ok(outcome)
     }
 
+    /// Renders a variant once, and adds its measurements to `outcome`.
     fn render(
         &self,
+        variant: usize,
+        repeat: u64,
+        recorder: Recorder,
         outcome: &mut Outcome,
-        [variant, repeat]: [usize; 2],
-        renders: [usize; 2],
-        elapsed: &(dyn Fn() -> f64 + Sync),
-        observer: &dyn Observer,
     ) -> Result<(), rayon::ThreadPoolBuildError> {
-        let Variant { label, settings } = &self.variants[variant];
-        let pixels = self.reference.pixels.len() as u64;
-        let schedule = Schedule::new(settings.budget, pixels);
-        let recorder = Recorder {
-            inner: observer,
-            schedule: &schedule,
-            reference: self.reference,
-            renders,
-            elapsed,
-            measured: Vec::new().into(),
-        };
+        let settings = &self.variants[variant].settings;
         let settings = Settings {
-            seed: settings.seed.wrapping_add(repeat as u64),
+            seed: settings.seed.wrapping_add(repeat),
             ..settings.clone()
         };
         let rendering = render(self.scene, &settings, &recorder)?;
@@ -112,33 +107,19 @@ impl Experiment<'_> {
             outcome.interrupted = true;
             return Ok(());
         }
-        let statistics = &rendering.statistics;
-        let end = Measured {
-            index: schedule.len().saturating_sub(1),
-            progress: Progress {
-                seconds: statistics.render_seconds,
-                samples: statistics.samples,
-                rays: statistics.closest_hit_rays + statistics.shadow_rays,
-            },
-            error: image_errors(&rendering.image.pixels, &self.reference.pixels),
-        };
-        let measured = recorder.measured.into_inner().unwrap_or_default();
-        let measurement = |m: Measured| Measurement {
+        let measured = recorder.finish(&rendering);
+        let measurements = measured.into_iter().map(|m| Measurement {
             variant,
-            repeat: repeat as u64,
+            repeat,
             index: m.index,
             progress: m.progress,
             error: m.error,
-        };
+        });
+        outcome.measurements.extend(measurements);
+        let warnings = rendering.warnings.into_iter();
         outcome
-            .measurements
-            .extend(measured.into_iter().chain([end]).map(measurement));
-        for warning in rendering.warnings {
-            let line = format!("{label}: {warning}");
-            if !outcome.warnings.contains(&line) {
-                outcome.warnings.push(line);
-            }
-        }
+            .warnings
+            .extend(warnings.map(|warning| (variant, warning)));
         if repeat == 0 {
             outcome.images.push(rendering.image);
         }

@@ -1,8 +1,8 @@
-//! Error against time: several ways to render one scene, measured against one reference as their
-//! images grow.
+//! Convergence: the error of several renders of a scene against time.
 //!
-//! The ways take turns, repeat by repeat, so that a machine that slows down slows all alike; each is
-//! measured at geometrically spaced moments of one and the same render, while its clock stands still.
+//! All variants are rendered once per repeat, in turn, so that a change of the machine's speed affects
+//! all of them. The error is measured at geometrically spaced times of a single render, while its clock
+//! is stopped.
 
 pub mod chart;
 pub mod curve;

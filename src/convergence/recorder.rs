@@ -1,94 +1,144 @@
-//! An observer that measures the image of a render at progresss fixed beforehand.
+//! An observer that measures the error of an image at scheduled times of its render.
 
 use std::sync::Mutex;
+use std::time::Instant;
 
 use crate::film::Image;
 use crate::metrics::{ImageError, image_errors};
-use crate::render::{Budget, Observer, Progress};
+use crate::render::{Budget, Observer, Progress, Rendering};
 
-/// Measured progresss are a factor of sqrt(2) apart: two of them to an octave.
+/// Scheduled times per doubling of the time.
 const PER_OCTAVE: f64 = 2.0;
 
-/// Measured progresss, the end included.
-const MOMENTS: usize = 17;
+/// Number of scheduled times, the end included.
+const TIMES: usize = 17;
 
-/// No image is measured before this second: a render needs some time to begin.
-const FIRST_SECOND: f64 = 0.05;
+/// Earliest time of a measurement, in seconds: before it a render may have no image.
+const MIN_SECONDS: f64 = 0.05;
 
-/// Progresss at which to measure, in seconds or in samples, ascending; the last is the whole budget.
+/// Times of measurements, in seconds or in samples, ascending. The last one is the whole budget.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Schedule {
-    /// Seconds of rendering.
+enum Schedule {
+    /// Times in seconds of rendering.
     Seconds(Vec<f64>),
-    /// Samples.
+    /// Times in numbers of samples.
     Samples(Vec<f64>),
 }
 
 impl Schedule {
-    /// For a render of `pixels` pixels.
+    /// A schedule for a render of `pixels` pixels.
     pub fn new(budget: Budget, pixels: u64) -> Self {
         match budget {
-            Budget::Seconds(seconds) => Self::Seconds(progresss(seconds, FIRST_SECOND)),
+            Budget::Seconds(seconds) => Self::Seconds(times(seconds, MIN_SECONDS)),
             Budget::SamplesPerPixel(n) => {
                 let pixels = pixels as f64;
-                Self::Samples(progresss(n as f64 * pixels, pixels))
+                Self::Samples(times(n as f64 * pixels, pixels))
             }
             Budget::Unlimited => Self::Seconds(Vec::new()),
         }
     }
 
-    /// Number of scheduled progresss that have come.
+    /// Number of scheduled times that have been reached.
     fn reached(&self, progress: &Progress) -> usize {
-        let (progresss, spent) = match self {
-            Self::Seconds(progresss) => (progresss, progress.seconds),
-            Self::Samples(progresss) => (progresss, progress.samples as f64),
+        let (times, now) = match self {
+            Self::Seconds(times) => (times, progress.seconds),
+            Self::Samples(times) => (times, progress.samples as f64),
         };
-        progresss.partition_point(|&at| at <= spent)
+        times.partition_point(|&time| time <= now)
     }
 
-    /// Number of progresss.
+    /// Number of scheduled times.
     pub fn len(&self) -> usize {
         match self {
-            Self::Seconds(progresss) | Self::Samples(progresss) => progresss.len(),
+            Self::Seconds(times) | Self::Samples(times) => times.len(),
         }
     }
 }
 
-/// `last`, and what is before it by powers of the factor down to `first`, ascending.
-fn progresss(last: f64, first: f64) -> Vec<f64> {
-    let all = (0..MOMENTS).rev();
-    let progresss = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
-    progresss.filter(|&at| at >= first || at == last).collect()
+/// Geometrically spaced times from `first` or later to `last`, ascending.
+fn times(last: f64, first: f64) -> Vec<f64> {
+    let all = (0..TIMES).rev();
+    let times = all.map(|i| last / (i as f64 / PER_OCTAVE).exp2());
+    times
+        .filter(|&time| time >= first || time == last)
+        .collect()
 }
 
-/// An image that was measured.
+/// A measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Measured {
-    /// Which of the scheduled progresss it is.
+    /// Index of the scheduled time.
     pub index: usize,
-    /// When it was really measured.
+    /// Work done at the measurement.
     pub progress: Progress,
-    /// What was measured.
+    /// Error against the reference.
     pub error: ImageError,
 }
 
-/// Measures a render against a reference and tells another observer how it goes.
-pub(super) struct Recorder<'a> {
-    pub inner: &'a dyn Observer,
-    pub schedule: &'a Schedule,
-    pub reference: &'a Image,
-    /// Renders of the experiment done before this one, and all of them.
-    pub renders: [usize; 2],
-    /// Seconds since the experiment began.
-    pub elapsed: &'a (dyn Fn() -> f64 + Sync),
-    pub measured: Mutex<Vec<Measured>>,
+/// Progress of a whole experiment.
+#[derive(Clone, Copy)]
+pub(super) struct ExperimentProgress {
+    /// Start of the experiment.
+    pub start: Instant,
+    /// Number of complete renders.
+    pub done: u64,
+    /// Number of all renders.
+    pub count: u64,
 }
 
-impl Recorder<'_> {
-    /// Number of scheduled progresss that need no measuring any more.
+/// Measures a render against a reference, and forwards its progress to another observer.
+pub(super) struct Recorder<'a> {
+    inner: &'a dyn Observer,
+    progress: ExperimentProgress,
+    schedule: Schedule,
+    reference: &'a Image,
+    measured: Mutex<Vec<Measured>>,
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder of a render with `budget`.
+    pub fn new(
+        inner: &'a dyn Observer,
+        progress: ExperimentProgress,
+        budget: Budget,
+        reference: &'a Image,
+    ) -> Self {
+        Self {
+            inner,
+            progress,
+            schedule: Schedule::new(budget, reference.pixels.len() as u64),
+            reference,
+            measured: Mutex::default(),
+        }
+    }
+
+    /// Number of scheduled times that have been measured or skipped.
     fn done(&self) -> usize {
         let measured = self.measured.lock();
         measured.map_or(0, |m| m.last().map_or(0, |last| last.index + 1))
+    }
+
+    fn measure(&self, index: usize, progress: Progress, image: &Image) -> Measured {
+        Measured {
+            index,
+            progress,
+            error: image_errors(&image.pixels, &self.reference.pixels),
+        }
+    }
+
+    /// All measurements of the render, the final image included.
+    pub fn finish(self, rendering: &Rendering) -> Vec<Measured> {
+        let statistics = &rendering.statistics;
+        let progress = Progress {
+            seconds: statistics.render_seconds,
+            samples: statistics.samples,
+            rays: statistics.closest_hit_rays + statistics.shadow_rays,
+        };
+        let last = self.schedule.len().saturating_sub(1);
+        let end = self.measure(last, progress, &rendering.image);
+        let mut measured = self.measured.into_inner().unwrap_or_default();
+        measured.push(end);
+        measured
     }
 }
 
@@ -96,9 +146,9 @@ impl Observer for Recorder<'_> {
     fn phase(&self, _name: &str) {}
 
     fn progress(&self, fraction: f64, _seconds_left: Option<f64>) {
-        let [before, all] = self.renders.map(|n| n as f64);
-        let done = (before + fraction) / all;
-        let left = (self.elapsed)() * (1.0 / done - 1.0);
+        let ExperimentProgress { start, done, count } = self.progress;
+        let done = (done as f64 + fraction) / count as f64;
+        let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         let known = left.is_finite() && done > 0.01;
         self.inner.progress(done, known.then_some(left));
     }
@@ -109,16 +159,12 @@ impl Observer for Recorder<'_> {
 
     fn wants_snapshot(&self, progress: &Progress) -> bool {
         let reached = self.schedule.reached(progress);
-        // The end is measured from the image that the render returns.
+        // The last time is measured from the image that the render returns.
         reached > self.done() && reached < self.schedule.len()
     }
 
     fn on_snapshot(&self, progress: &Progress, image: &Image) {
-        let measured = Measured {
-            index: self.schedule.reached(progress) - 1,
-            progress: *progress,
-            error: image_errors(&image.pixels, &self.reference.pixels),
-        };
+        let measured = self.measure(self.schedule.reached(progress) - 1, *progress, image);
         if let Ok(mut all) = self.measured.lock() {
             all.push(measured);
         }
@@ -138,30 +184,30 @@ mod tests {
     }
 
     #[test]
-    fn progresss_are_geometric_and_end_with_the_budget() {
-        let Schedule::Seconds(progresss) = Schedule::new(Budget::Seconds(60.0), 100) else {
+    fn times_are_geometric_and_end_with_the_budget() {
+        let Schedule::Seconds(times) = Schedule::new(Budget::Seconds(60.0), 100) else {
             panic!("a budget of seconds is scheduled in seconds");
         };
-        assert_eq!(progresss.len(), MOMENTS);
-        assert_eq!(progresss[MOMENTS - 1], 60.0);
-        let ratios = progresss.windows(2).map(|pair| pair[1] / pair[0]);
+        assert_eq!(times.len(), TIMES);
+        assert_eq!(times[TIMES - 1], 60.0);
+        let ratios = times.windows(2).map(|pair| pair[1] / pair[0]);
         assert!(ratios.into_iter().all(|r| (r * r - 2.0).abs() < 1e-12));
-        assert!(progresss[0] > 0.2 && progresss[0] < 0.3);
-        // One sample per pixel is the first image.
+        assert!(times[0] > 0.2 && times[0] < 0.3);
+        // The first image has one sample per pixel.
         let samples = Schedule::new(Budget::SamplesPerPixel(4), 100);
         let expected = [100.0, 141.4, 200.0, 282.8, 400.0];
-        let Schedule::Samples(progresss) = &samples else {
+        let Schedule::Samples(times) = &samples else {
             panic!("a budget of samples is scheduled in samples");
         };
-        let near = progresss.iter().zip(expected);
-        assert!(progresss.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
+        let near = times.iter().zip(expected);
+        assert!(times.len() == 5 && near.into_iter().all(|(a, e)| (a - e).abs() < 0.1));
         assert_eq!(samples.reached(&at(0.0, 99)), 0);
         assert_eq!(samples.reached(&at(0.0, 399)), 4);
         assert_eq!(samples.reached(&at(0.0, 400)), 5);
     }
 
     #[test]
-    fn even_a_tiny_budget_has_its_end() {
+    fn a_tiny_budget_is_measured_at_its_end() {
         assert_eq!(Schedule::new(Budget::Seconds(0.01), 1).len(), 1);
     }
 }

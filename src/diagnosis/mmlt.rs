@@ -11,6 +11,7 @@
 
 use rayon::prelude::*;
 
+use super::DiagnoseError;
 use super::check::{Check, Family};
 use super::normalisation::MIN_EFFECTIVE;
 use super::observation::{ChainTarget, IndependentEstimate, Observation, TILES};
@@ -79,7 +80,15 @@ struct Length {
 
 impl<'a> MmltChains<'a> {
     /// Of `scene`, which gets a small film with a box filter.
-    pub fn new(scene: &'a mut Scene, own: MmltSettings, seed: u64, samples: MmltSamples) -> Self {
+    ///
+    /// # Errors
+    /// If no path is bright enough for chains.
+    pub fn new(
+        scene: &'a mut Scene,
+        own: MmltSettings,
+        seed: u64,
+        samples: MmltSamples,
+    ) -> Result<Self, DiagnoseError> {
         set_film(scene);
         let plan = Plan::new(scene, seed, &own, || false);
         let mut chains = Self {
@@ -90,12 +99,10 @@ impl<'a> MmltChains<'a> {
             lengths: Vec::new(),
         };
         chains.lengths = chains.lengths(seed);
-        chains
-    }
-
-    /// True if there is a residual for chains.
-    pub fn has_residual(&self) -> bool {
-        !self.lengths.is_empty()
+        if chains.lengths.is_empty() {
+            return Err(DiagnoseError::NoResidual(samples.independent));
+        }
+        Ok(chains)
     }
 
     /// Estimates b_k.

@@ -105,7 +105,10 @@ pub enum DiagnoseError {
     /// Nothing to start a chain from.
     #[error("none of {0} samples found light: there is no chain to diagnose")]
     NoLight(u64),
-    /// The observer stopped it.
+    /// Independent samples carry all light.
+    #[error("no path of {0} samples is bright enough for chains: there is no chain to diagnose")]
+    NoResidual(u64),
+    /// The observer cancelled it.
     #[error("interrupted")]
     Interrupted,
 }

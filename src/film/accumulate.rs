@@ -1,14 +1,14 @@
-//! Sums of samples and splats.
+//! Accumulation of samples and splats.
 //!
-//! Pixel j is the integral over the film of L(x) h(x - x_j) / W_j, where x_j is the pixel's centre
-//! and W_j the integral of h(x - x_j) over the film: at the border a filter is normalised by the
+//! The value of pixel j is the integral over the film of L(x) h(x - x_j) / W_j, where x_j is the pixel's
+//! centre and W_j the integral of h(x - x_j) over the film: at the border a filter is normalised by the
 //! part of it that the film covers.
 
 use super::splats::{Splat, SplatFilm, SplatLog, add};
 use super::{Filter, Image};
 use crate::math::color::to_pixel;
 
-/// An image in the making: the samples of each pixel, and splats from anywhere.
+/// An image under construction: samples of each pixel, and splats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// Per pixel, the sum and the number of samples distributed by the filter.
@@ -26,7 +26,7 @@ impl Film {
     }
 
     /// Adds `count` samples whose values sum to `sum` to a pixel (index in rows from the top).
-    /// Their positions must come from [`super::FilmSampler`]: their plain mean is the pixel.
+    /// Their positions must come from [`super::FilmSampler`]: the pixel is their mean.
     pub fn add_samples(&mut self, pixel: usize, sum: [f64; 3], count: u64) {
         let (total, samples) = &mut self.samples[pixel];
         add(total, sum);
@@ -43,8 +43,8 @@ impl Film {
         self.splats.apply(logs);
     }
 
-    /// A pixel of the image: the mean of its samples (black if there are none), plus its splats
-    /// times `splat_scale` (1 over the number of samples of the film that they come from).
+    /// Value of a pixel: the mean of its samples (0 if there are none), plus its splats times
+    /// `splat_scale`, which is 1 over the number of samples that made all splats.
     #[inline]
     pub fn value(&self, pixel: usize, splat_scale: f64) -> [f64; 3] {
         let (sum, count) = self.samples[pixel];
@@ -53,8 +53,8 @@ impl Film {
         std::array::from_fn(|c| sum[c] * mean_scale + splats[c] * splat_scale)
     }
 
-    /// The image: [`Self::value`] of all pixels.
-    pub fn develop(&self, splat_scale: f64) -> Image {
+    /// Resolves the image: [`Self::value`] of all pixels.
+    pub fn resolve(&self, splat_scale: f64) -> Image {
         let pixels = 0..self.samples.len();
         let [width, height] = self.splats.size();
         Image {

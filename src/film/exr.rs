@@ -1,4 +1,4 @@
-//! OpenEXR files.
+//! Writing OpenEXR files.
 
 use std::io::{self, BufWriter};
 use std::path::Path;
@@ -9,23 +9,14 @@ use exr::prelude::{
 };
 
 use super::file::{WriteError, replace_file};
-use super::read::Image;
+use super::image::{AttributeValue, Image};
 
-/// What an image file can say about how it was made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AttributeValue {
-    /// Stored as `string`, in UTF-8.
-    Text(String),
-    /// Stored as `double`.
-    Number(f64),
-}
-
-/// Three values for every pixel of an image, in rows from the top, and the name of their layer.
+/// Name of a layer, and three values for each pixel, in rows from the top.
 pub type ExrLayer<'a> = (&'a str, &'a [[f32; 3]]);
 
 /// Writes linear RGB in 32-bit floats, losslessly compressed, with `attributes`. Their names must
-/// not be those of OpenEXR's standard attributes: give them a prefix. Each of `layers` goes beside
-/// the image, into channels NAME.R, NAME.G and NAME.B.
+/// differ from OpenEXR's standard attributes: give them a prefix. Each of `layers` is written to
+/// channels NAME.R, NAME.G and NAME.B.
 ///
 /// # Errors
 /// If the file cannot be written, or a name is empty, longer than 255 bytes or a standard one.
@@ -87,7 +78,7 @@ fn channel(name: &str, pixels: &[[f32; 3]], c: usize) -> AnyChannel<FlatSamples>
     AnyChannel::new(text(name), FlatSamples::F32(samples))
 }
 
-/// OpenEXR's strings are bytes; their encoding is UTF-8 by convention.
+/// Strings of OpenEXR are bytes, by convention in UTF-8.
 fn text(string: &str) -> Text {
     Text::from_slice_unchecked(string.as_bytes())
 }

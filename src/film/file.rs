@@ -1,4 +1,4 @@
-//! Files that are replaced whole or left alone.
+//! Atomic replacement of files.
 
 use std::fs::{File, Permissions};
 use std::io::{self, BufWriter, Write};
@@ -12,12 +12,12 @@ use tempfile::NamedTempFile;
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// What the operating system or the encoder said.
+    /// The error of the operating system or of the encoder.
     pub cause: io::Error,
 }
 
-/// Writes a file under a temporary name in the same directory and renames it at the end: whoever
-/// looks at `path` sees the old file or the whole new one.
+/// Writes a file under a temporary name in the same directory and renames it at the end: `path` is at
+/// any time the old file or the complete new one.
 ///
 /// # Errors
 /// If the directory does not exist or is not writable, the disk is full, or `write` fails.
@@ -35,7 +35,7 @@ pub fn replace_file(
     replace().map_err(|cause| error(path, cause))
 }
 
-/// Checks that [`replace_file`] has a chance to succeed, by creating and deleting a temporary file.
+/// Checks that [`replace_file`] can succeed, by creating and deleting a temporary file.
 ///
 /// # Errors
 /// As for [`replace_file`], or if `path` is a directory.
@@ -65,24 +65,23 @@ fn create_beside(path: &Path) -> io::Result<NamedTempFile> {
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".metrolight-");
-    if let Some(permissions) = usual_permissions() {
+    if let Some(permissions) = default_permissions() {
         builder.permissions(permissions);
     }
-    // The name of the temporary file means nothing to the reader of a message.
+    // Without the name of the temporary file, which the user does not know.
     builder
         .tempfile_in(directory)
         .map_err(|error| error.kind().into())
 }
 
-/// What a new file may be used for by default (the umask narrows it): a temporary file's own
-/// default is to be private.
+/// Permissions of new files, which the umask restricts. Temporary files are private by default.
 #[cfg(unix)]
-fn usual_permissions() -> Option<Permissions> {
+fn default_permissions() -> Option<Permissions> {
     use std::os::unix::fs::PermissionsExt;
     Some(Permissions::from_mode(0o666))
 }
 
 #[cfg(not(unix))]
-fn usual_permissions() -> Option<Permissions> {
+fn default_permissions() -> Option<Permissions> {
     None
 }

@@ -16,7 +16,7 @@ pub enum Filter {
         /// Pixels.
         radius: f32,
     },
-    /// A Gaussian cut off and lowered to 0 at 4 standard deviations. (Mitsuba 3 evaluates a
+    /// A Gaussian, truncated at 4 standard deviations and shifted to 0 there. (Mitsuba 3 evaluates a
     /// polynomial that differs from it by less than 5e-4.)
     Gaussian {
         /// Standard deviation in pixels.
@@ -48,7 +48,7 @@ impl Filter {
     #[inline]
     pub fn evaluate(&self, x: f64) -> f64 {
         match *self {
-            // Half open, so that a point on the edge of two pixels belongs to one.
+            // Half open, so that a point on the edge of two pixels belongs to one of them.
             Self::Box => f64::from(u8::from((-0.5..0.5).contains(&x))),
             Self::Tent { radius } => (1.0 - x.abs() / f64::from(radius)).max(0.0),
             Self::Gaussian { stddev } => {
@@ -60,11 +60,11 @@ impl Filter {
 
     /// The integral of [`Filter::evaluate`] from `a` to `b`, in pixels.
     pub fn integral(&self, a: f64, b: f64) -> f64 {
-        self.primitive(b) - self.primitive(a)
+        self.antiderivative(b) - self.antiderivative(a)
     }
 
-    /// The integral of the filter from 0 to `x`: an odd function, constant beyond the radius.
-    pub(super) fn primitive(&self, x: f64) -> f64 {
+    /// The antiderivative of the filter, 0 at 0: an odd function, constant beyond the radius.
+    pub(super) fn antiderivative(&self, x: f64) -> f64 {
         let r = self.radius();
         let x = x.clamp(-r, r);
         match *self {
@@ -77,14 +77,13 @@ impl Filter {
         }
     }
 
-    /// For each of the `size` pixels along one side of a film, [`Filter::primitive`] at both ends of
-    /// the part of the pixel's filter that lies within the film. Their difference is the pixel's
-    /// normalisation.
+    /// For each of the `size` pixels along one side of a film, [`Filter::antiderivative`] at both ends
+    /// of the part of the pixel's filter within the film. Their difference normalises the filter.
     pub(super) fn parts_within(&self, size: u32) -> Vec<[f64; 2]> {
         (0..size)
             .map(|j| {
                 let center = f64::from(j) + 0.5;
-                [-center, f64::from(size) - center].map(|end| self.primitive(end))
+                [-center, f64::from(size) - center].map(|end| self.antiderivative(end))
             })
             .collect()
     }
@@ -93,15 +92,15 @@ impl Filter {
 /// Value of the unit Gaussian at 4 standard deviations, exp(-8).
 const GAUSSIAN_BIAS: f64 = 3.354_626_279_025_118_5e-4;
 
-/// Number of cells in which a Gaussian's primitive is tabulated.
+/// Number of cells in the table of a Gaussian's antiderivative.
 const CELLS: usize = 1024;
 
-/// Samples a [`Filter`] by inversion of its primitive: monotone in the random number.
+/// Samples a [`Filter`] by inversion of its antiderivative: monotone in the random number.
 #[derive(Clone, Debug)]
 pub struct FilterSampler {
     filter: Filter,
-    /// Primitive and value of a Gaussian at `CELLS + 1` offsets from 0 to its radius; empty for
-    /// filters whose primitive has a closed inverse.
+    /// Antiderivative and value of a Gaussian at `CELLS + 1` offsets from 0 to its radius; empty for
+    /// filters that are inverted in closed form.
     knots: Vec<(f64, f64)>,
 }
 
@@ -110,7 +109,7 @@ impl FilterSampler {
     pub fn new(filter: Filter) -> Self {
         let knot = |i: usize| {
             let x = filter.radius() * i as f64 / CELLS as f64;
-            (filter.primitive(x), filter.evaluate(x))
+            (filter.antiderivative(x), filter.evaluate(x))
         };
         let knots = match filter {
             Filter::Box | Filter::Tent { .. } => Vec::new(),
@@ -122,17 +121,17 @@ impl FilterSampler {
     /// An offset in pixels, for `u` in [0, 1), with density `evaluate(x)` over the filter's whole
     /// integral.
     pub fn sample(&self, u: f64) -> f64 {
-        let half = self.filter.primitive(self.filter.radius());
+        let half = self.filter.antiderivative(self.filter.radius());
         self.invert((2.0 * u - 1.0) * half)
     }
 
-    /// The offset at which the primitive is `y`.
+    /// The offset at which the antiderivative is `y`.
     #[inline]
     pub(super) fn invert(&self, y: f64) -> f64 {
         match self.filter {
             Filter::Box => y,
             Filter::Tent { radius } => {
-                // The root of x - x^2/(2r) = |y| in the form that does not cancel for small y.
+                // The root of x - x^2/(2r) = |y|, in the form without cancellation for small y.
                 let root = (1.0 - 2.0 * y.abs() / f64::from(radius)).max(0.0).sqrt();
                 2.0 * y / (1.0 + root)
             }
@@ -140,10 +139,10 @@ impl FilterSampler {
         }
     }
 
-    /// As [`Self::invert`] for `y` >= 0, with the filter taken as linear within a cell (pbrt, 4th
-    /// ed., section A.4.1 "Sampling the linear function") and the cell's integral kept.
+    /// As [`Self::invert`] for `y` >= 0. The filter is linear within a cell (pbrt, 4th ed., section A.4.1
+    /// "Sampling the linear function") and has the exact integral of the cell.
     fn invert_table(&self, y: f64) -> f64 {
-        let after = self.knots.partition_point(|&(primitive, _)| primitive <= y);
+        let after = self.knots.partition_point(|&(integral, _)| integral <= y);
         let cell = after.clamp(1, CELLS) - 1;
         let ((p0, h0), (p1, h1)) = (self.knots[cell], self.knots[cell + 1]);
         let v = ((y - p0) / (p1 - p0)).clamp(0.0, 1.0);

@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::file::{WriteError, replace_file};
-use super::read::Image;
+use super::image::Image;
 
 /// Writes a preview: 8 bits per channel, encoded as sRGB, values clamped to [0, 1].
 ///
@@ -26,7 +26,7 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), WriteError> {
     })
 }
 
-/// The image times `exposure` as sRGB, three bytes per pixel, clamped.
+/// The image times `exposure`, as clamped sRGB with three bytes per pixel.
 pub fn srgb_bytes(image: &Image, exposure: f64) -> Vec<u8> {
     let values = image.pixels.iter().flatten();
     values

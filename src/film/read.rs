@@ -1,4 +1,4 @@
-//! Images from files: OpenEXR, PNG, JPEG and Radiance HDR.
+//! Reading images: OpenEXR, PNG, JPEG and Radiance HDR.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -12,68 +12,27 @@ use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
 
-use super::exr::AttributeValue;
+use super::image::{AnnotatedImage, AttributeValue, Image};
 
-/// Most pixels of an image: 16384 x 8192. A file may claim any size, and memory is finite.
-const MOST_PIXELS: usize = 1 << 27;
-/// Most bytes that a decoder may allocate.
-const MOST_BYTES: u64 = 1 << 31;
-/// Most pixels per byte of an OpenEXR file: its best compression, deflate, makes at most 1032 bytes
-/// of one, and a pixel has at least two.
-const MOST_EXR_PIXELS_PER_BYTE: u64 = 1032 / 2;
-/// Most pixels per byte of another file: a PNG has up to 8 in each of the 1032 bytes. A JPEG has at
-/// most 512, since each block of 64 takes a bit, and an HDR image of one colour some hundreds. But their
-/// decoders fill what is missing of a file, and would take memory for whatever it claims.
-const MOST_PIXELS_PER_BYTE: u64 = 8 * 1032;
+/// Maximum number of pixels of an image: 16384 x 8192. It limits the memory for the size that a file
+/// claims.
+const MAX_PIXELS: usize = 1 << 27;
+/// Maximum number of bytes that a decoder may allocate.
+const MAX_BYTES: u64 = 1 << 31;
+/// Maximum number of pixels per byte of an OpenEXR file: deflate, its best compression, expands a byte
+/// to at most 1032 bytes, and a pixel has at least two.
+const MAX_EXR_PIXELS_PER_BYTE: u64 = 1032 / 2;
+/// Maximum number of pixels per byte of another file: a PNG has up to 8 in each of 1032 bytes. A JPEG
+/// has at most 512, since each block of 64 takes a bit, and an HDR image of one colour some hundreds.
+/// Their decoders fill in missing data, so without this limit they would allocate any size claimed.
+const MAX_PIXELS_PER_BYTE: u64 = 8 * 1032;
 
-/// An image in linear RGB with the primaries of sRGB.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Pixels in a column.
-    pub height: usize,
-    /// `width * height` pixels, rows from top to bottom.
-    pub pixels: Vec<[f32; 3]>,
-}
-
-/// An image and what its file says beside it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AnnotatedImage {
-    /// The image.
-    pub image: Image,
-    /// Of OpenEXR files, the other layers that have channels NAME.R, NAME.G and NAME.B, by name; as
-    /// many pixels as the image has.
-    pub layers: BTreeMap<String, Vec<[f32; 3]>>,
-    /// Of OpenEXR files, the texts and numbers that are no standard attributes, by name.
-    pub attributes: BTreeMap<String, AttributeValue>,
-}
-
-impl AnnotatedImage {
-    /// An attribute that is a number.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        match self.attributes.get(name) {
-            Some(AttributeValue::Number(number)) => Some(*number),
-            _ => None,
-        }
-    }
-
-    /// An attribute that is a text.
-    pub fn text(&self, name: &str) -> Option<&str> {
-        match self.attributes.get(name) {
-            Some(AttributeValue::Text(text)) => Some(text),
-            _ => None,
-        }
-    }
-}
-
-/// What the numbers of an integer image (PNG, JPEG) mean. Images in floating point are linear
-/// whatever this says.
+/// Encoding of an integer image (PNG, JPEG). Floating-point images are always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decode {
-    /// Colours encoded by the transfer function of sRGB (IEC 61966-2-1).
+    /// The transfer function of sRGB (IEC 61966-2-1).
     Srgb,
-    /// Linear numbers.
+    /// Linear values.
     Raw,
 }
 
@@ -83,31 +42,31 @@ pub enum ReadImageError {
     /// The file is missing or cannot be read.
     #[error("cannot read the image: {0}")]
     Io(#[from] io::Error),
-    /// The image has more pixels than memory should be spent on, or than the file can hold.
+    /// The image has too many pixels for memory, or more than the file can hold.
     #[error("the image claims {width} x {height} pixels, more than {limit} in all")]
     TooLarge {
         /// Pixels in a row.
         width: usize,
         /// Pixels in a column.
         height: usize,
-        /// Most pixels possible.
+        /// Maximum number of pixels.
         limit: usize,
     },
-    /// The file is broken or of another format than its name says.
+    /// The file is invalid, or its format is not that of its extension.
     #[error("not a usable image (PNG, JPEG, OpenEXR or Radiance HDR): {0}")]
     Format(String),
 }
 
-/// Reads an image. The format is found from the contents, for OpenEXR from the name's ending. An
-/// alpha channel is left out; grey becomes RGB.
+/// Reads an image. The format follows from the contents, for OpenEXR from the extension. An alpha
+/// channel is ignored; grey becomes RGB.
 ///
 /// # Errors
-/// If the file cannot be read, is broken, or claims to be beyond reason in size.
+/// If the file cannot be read, is invalid, or claims too large a size.
 pub fn read_image(path: &Path, decode: Decode) -> Result<Image, ReadImageError> {
     read(path, decode, Extent::Image).map(|annotated| annotated.image)
 }
 
-/// Reads an image, with the layers and attributes that [`super::write_exr`] may have written.
+/// Reads an image with the layers and attributes that [`super::write_exr`] writes.
 ///
 /// # Errors
 /// As for [`read_image`].
@@ -115,7 +74,7 @@ pub fn read_annotated(path: &Path, decode: Decode) -> Result<AnnotatedImage, Rea
     read(path, decode, Extent::All)
 }
 
-/// How much of a file is wanted.
+/// Which contents of a file are read.
 #[derive(Clone, Copy, PartialEq)]
 enum Extent {
     Image,
@@ -129,10 +88,10 @@ fn read(path: &Path, decode: Decode, extent: Extent) -> Result<AnnotatedImage, R
     }
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or("");
     if extension.eq_ignore_ascii_case("exr") {
-        let limit = most_pixels(metadata.len(), MOST_EXR_PIXELS_PER_BYTE);
+        let limit = max_pixels(metadata.len(), MAX_EXR_PIXELS_PER_BYTE);
         return read_exr(path, limit, extent);
     }
-    let limit = most_pixels(metadata.len(), MOST_PIXELS_PER_BYTE);
+    let limit = max_pixels(metadata.len(), MAX_PIXELS_PER_BYTE);
     Ok(AnnotatedImage {
         image: read_other(path, decode, limit)?,
         layers: BTreeMap::new(),
@@ -140,10 +99,10 @@ fn read(path: &Path, decode: Decode, extent: Extent) -> Result<AnnotatedImage, R
     })
 }
 
-/// Most pixels that a file can hold and memory should be spent on.
-fn most_pixels(file_bytes: u64, per_byte: u64) -> usize {
+/// Maximum number of pixels that a file can hold and memory allows.
+fn max_pixels(file_bytes: u64, per_byte: u64) -> usize {
     let possible = file_bytes.saturating_mul(per_byte);
-    MOST_PIXELS.min(usize::try_from(possible).unwrap_or(MOST_PIXELS))
+    MAX_PIXELS.min(usize::try_from(possible).unwrap_or(MAX_PIXELS))
 }
 
 fn read_exr(path: &Path, limit: usize, extent: Extent) -> Result<AnnotatedImage, ReadImageError> {
@@ -204,7 +163,7 @@ impl Channels<'_> {
         }
         let names: Vec<String> = self.list.iter().map(|c| c.name.to_string()).collect();
         Err(ReadImageError::Format(format!(
-            "its channels are {}; needed are R, G and B, or Y",
+            "its channels are {}; expected R, G and B, or Y",
             names.join(", ")
         )))
     }
@@ -251,7 +210,7 @@ fn samples(samples: &FlatSamples) -> Vec<f32> {
 fn read_other(path: &Path, decode: Decode, limit: usize) -> Result<Image, ReadImageError> {
     let mut file = BufReader::new(File::open(path)?);
     let decoded = if file.fill_buf()?.starts_with(b"#?") {
-        // Mitsuba, among others, does not write the first line that the format demands.
+        // Some programs, such as Mitsuba, do not write the first line that the format requires.
         let decoder = HdrDecoder::new_nonstrict(file).map_err(broken)?;
         let (width, height) = decoder.dimensions();
         check_size(width as usize, height as usize, limit)?;
@@ -259,7 +218,7 @@ fn read_other(path: &Path, decode: Decode, limit: usize) -> Result<Image, ReadIm
     } else {
         let mut reader = ImageReader::new(file).with_guessed_format()?;
         let mut limits = image::Limits::default();
-        limits.max_alloc = Some(MOST_BYTES);
+        limits.max_alloc = Some(MAX_BYTES);
         reader.limits(limits);
         let decoder = reader.into_decoder().map_err(broken)?;
         let (width, height) = decoder.dimensions();

@@ -1,15 +1,16 @@
-//! Film positions for the samples of a given pixel.
+//! Film positions of the samples of a pixel.
 
 use super::filter::{Filter, FilterSampler};
 
-/// Filter importance sampling (Ernst et al. 2006, "Filter importance sampling"): places samples of a
-/// pixel in proportion to its reconstruction filter, so that their plain mean is the pixel's value.
-/// At the border of the film the filter is cut off and normalised anew.
+/// Filter importance sampling (Ernst et al. 2006, "Filter importance sampling"): the density of a
+/// pixel's samples is proportional to its reconstruction filter, so that the pixel's value is their
+/// unweighted mean. At the border of the film the filter is truncated and renormalised.
 #[derive(Clone, Debug)]
 pub struct FilmSampler {
     filter: Filter,
     sampler: FilterSampler,
-    /// Per column and per row, the filter's primitive at both ends of its part within the film.
+    /// Per column and per row, the antiderivative of the filter at both ends of its part within the
+    /// film.
     columns: Vec<[f64; 2]>,
     rows: Vec<[f64; 2]>,
 }
@@ -25,8 +26,8 @@ impl FilmSampler {
         }
     }
 
-    /// The film position, in [0, 1)^2, of the sample of `pixel` (index in rows from the top) that
-    /// `u` in [0, 1)^2 maps to.
+    /// Maps `u` in [0, 1)^2 to the film position, in [0, 1)^2, of a sample of `pixel` (index in rows
+    /// from the top).
     #[inline]
     pub fn pixel_position(&self, pixel: usize, u: [f32; 2]) -> [f32; 2] {
         let width = self.columns.len();
@@ -36,8 +37,8 @@ impl FilmSampler {
         ]
     }
 
-    /// Density over the film as a unit square of the position of a sample of a pixel that is drawn
-    /// uniformly: the mean of all pixels' normalised filters there. 1 everywhere for boxes.
+    /// Density, over the film as a unit square, of the position of a sample of a uniformly chosen
+    /// pixel: the mean of all pixels' normalised filters. It is 1 everywhere for box filters.
     pub fn density(&self, position: [f32; 2]) -> f64 {
         self.side_density(&self.columns, position[0]) * self.side_density(&self.rows, position[1])
     }
@@ -64,10 +65,10 @@ impl FilmSampler {
 mod tests {
     use super::*;
 
-    /// Evenly spread positions of all pixels, counted in cells, against the mean density of the cells: a
-    /// count of about 10^4 is off by its border, some 1%.
+    /// Counts evenly spaced positions of all pixels in cells and compares them with the mean density of
+    /// the cells. A count of about 10^4 has an error of some 1%, from the border of its cell.
     #[test]
-    fn samples_have_the_density_that_is_said() {
+    fn samples_have_the_evaluated_density() {
         const SIDE: usize = 10;
         let filters = [
             Filter::Box,
@@ -90,10 +91,10 @@ mod tests {
             for (row, counts) in counts.iter().enumerate() {
                 for (column, &count) in counts.iter().enumerate() {
                     let densities = (0..64).map(|i| {
-                        let place = |cell: usize, i: usize| {
+                        let position = |cell: usize, i: usize| {
                             (cell as f32 + (i as f32 + 0.5) / 8.0) / SIDE as f32
                         };
-                        sampler.density([place(column, i % 8), place(row, i / 8)])
+                        sampler.density([position(column, i % 8), position(row, i / 8)])
                     });
                     let density = densities.sum::<f64>() / 64.0;
                     let counted = f64::from(count) / per_cell;

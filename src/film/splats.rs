@@ -1,11 +1,11 @@
-//! Splats: light that lands anywhere on the film, and sums of it.
+//! Splats: contributions to any point of the film, and their accumulation.
 
 use rayon::prelude::*;
 
 use super::Filter;
 use crate::math::Rgb;
 
-/// Light that arrives at a point of the film.
+/// A contribution to a point of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// In [0, 1)^2; (0, 0) is the top left corner of the image.
@@ -14,7 +14,7 @@ pub struct Splat {
     pub value: Rgb,
 }
 
-/// Splats in the order of their making. Clear and fill it again to reuse its memory.
+/// Splats in the order of their creation. Clear and refill it to reuse its memory.
 #[derive(Clone, Debug, Default)]
 pub struct SplatLog {
     splats: Vec<Splat>,
@@ -32,7 +32,7 @@ impl SplatLog {
         self.splats.push(splat);
     }
 
-    /// Forgets all splats and keeps the memory.
+    /// Removes all splats and keeps the memory.
     pub fn clear(&mut self) {
         self.splats.clear();
     }
@@ -43,7 +43,7 @@ impl SplatLog {
     }
 }
 
-/// Per pixel, the sum of splats times the pixel's normalised filter.
+/// For each pixel, the sum of all splats times the pixel's normalised filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplatFilm {
     grid: Grid,
@@ -70,9 +70,9 @@ impl SplatFilm {
         self.grid.add(&mut self.sums, 0, splat, &mut scratch);
     }
 
-    /// Adds all splats of `logs`, those of the first log first. Bands of rows are filled in
-    /// parallel, and every pixel adds its splats in the order of the logs: the sums are the same to
-    /// the bit for any number of threads.
+    /// Adds all splats of `logs`, those of the first log first. Bands of rows are filled in parallel,
+    /// and every pixel adds its splats in the order of the logs: the sums are bit-identical for any
+    /// number of threads.
     pub fn apply(&mut self, logs: &[&SplatLog]) {
         let grid = &self.grid;
         let orders: Vec<BandOrder> = logs.par_iter().map(|log| grid.sort(log)).collect();
@@ -88,7 +88,7 @@ impl SplatFilm {
         });
     }
 
-    /// Moves all that `other`, a film of the same size, has into this one.
+    /// Moves the sums of `other`, a film of the same size, into this one.
     pub fn take(&mut self, other: &mut Self) {
         for (sum, taken) in self.sums.iter_mut().zip(&mut other.sums) {
             add(sum, std::mem::take(taken));
@@ -109,12 +109,12 @@ pub(super) fn add(sum: &mut [f64; 3], value: [f64; 3]) {
     }
 }
 
-/// Where pixels are and how their filters are normalised.
+/// Positions of pixels and normalisation of their filters.
 #[derive(Clone, Debug, PartialEq)]
 struct Grid {
     filter: Filter,
-    /// Number of pixels along the side over the integral of the filter within the film, in pixels:
-    /// what normalises the filter on a film of unit width, per column and per row.
+    /// Per column and per row, the normalisation of the filter on a film of unit width: the number of
+    /// pixels along the side over the integral of the filter within the film, in pixels.
     columns: Vec<f64>,
     rows: Vec<f64>,
     /// Rows that one task of [`SplatFilm::apply`] fills; the same for any number of threads.
@@ -123,7 +123,7 @@ struct Grid {
 
 /// The splats of one log by the bands of rows that they reach: a stable counting sort.
 struct BandOrder {
-    /// Where each band begins in `splats`, and where the last one ends.
+    /// Index in `splats` of the start of each band, and of the end of the last one.
     starts: Vec<usize>,
     /// Indices in the log, ascending within a band.
     splats: Vec<usize>,
@@ -136,9 +136,9 @@ impl BandOrder {
 }
 
 impl Grid {
-    /// Bands no thinner than this: a splat seldom reaches more than two.
+    /// Minimum height of a band: a splat rarely reaches more than two bands.
     const MIN_BAND_ROWS: usize = 8;
-    /// About as many bands as the machines have threads that we care for.
+    /// Maximum number of bands: about the largest number of threads that can be used.
     const MAX_BANDS: usize = 64;
 
     fn new(width: u32, height: u32, filter: Filter) -> Self {
@@ -162,8 +162,8 @@ impl Grid {
         }
     }
 
-    /// Adds a splat to the part of a film in `sums`, which begins with row `first_row`. `scratch`
-    /// is room for a row of weights.
+    /// Adds a splat to the rows of a film in `sums`, which begin with row `first_row`. `scratch` is
+    /// memory for a row of weights.
     #[inline]
     fn add(&self, sums: &mut [[f64; 3]], first_row: usize, splat: &Splat, scratch: &mut Vec<f64>) {
         let width = self.columns.len();
@@ -200,7 +200,7 @@ impl Grid {
                 .reach(f64::from(splat.position[1]) * height as f64, height);
             rows.start / self.band_rows..rows.end.div_ceil(self.band_rows)
         };
-        // Counts, shifted by one band: their running sums are where the bands begin.
+        // Counts, shifted by one band: their prefix sums are the starts of the bands.
         let mut starts = vec![0; height.div_ceil(self.band_rows) + 1];
         for splat in &log.splats {
             bands(splat).for_each(|band| starts[band + 1] += 1);

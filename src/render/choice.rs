@@ -1,6 +1,5 @@
 //! The choice of an integrator for a scene, by a pilot.
 
-use std::fmt;
 use std::time::Instant;
 
 use super::mmlt::{MmltSettings, Plan};
@@ -26,29 +25,27 @@ pub struct Choice {
     pub seconds: f64,
 }
 
-impl fmt::Display for Choice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.integrator.method().name();
-        write!(f, "{name} is chosen: ")?;
+/// Why an integrator was chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChoiceReason {
+    /// Chains are expected to leave 1/`gain` of the error of bidirectional path tracing at equal time.
+    Gain(f64),
+    /// Only rare and bright paths find some of the light.
+    RareLight,
+    /// No path is bright enough for chains to reduce the error.
+    NoBrightPaths,
+}
+
+impl Choice {
+    /// The first reason that applies.
+    pub fn reason(&self) -> ChoiceReason {
         if self.gain > MIN_GAIN {
-            let gain = self.gain;
-            write!(
-                f,
-                "chains should leave 1/{gain:.3} of bdpt's error in the same time"
-            )?;
+            ChoiceReason::Gain(self.gain)
         } else if self.rare_light {
-            write!(
-                f,
-                "there is light that only rare and bright paths find, which bdpt shows as dots"
-            )?;
+            ChoiceReason::RareLight
         } else {
-            write!(f, "no path is bright enough for chains to pay")?;
+            ChoiceReason::NoBrightPaths
         }
-        let (samples, seconds) = (self.samples, self.seconds);
-        write!(
-            f,
-            " (a pilot of {samples} samples, {seconds:.1} s; --integrator overrules it)"
-        )
     }
 }
 

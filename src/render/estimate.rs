@@ -6,7 +6,7 @@
 
 use super::error::{ErrorEstimate, PassVariance};
 use super::passes::{Tile, TileBuffer};
-use super::{Method, NonFinite, SampleId, Settings, pixel_count, warnings};
+use super::{Method, NonFinite, SampleId, Settings, Warning, pixel_count, warnings};
 use crate::film::{Film, Image, SplatLog};
 use crate::integrators::SplatList;
 use crate::math::color::to_pixel;
@@ -119,7 +119,7 @@ impl ImageEstimate {
         settings: &Settings,
         samples: u64,
         error: Option<&ErrorEstimate>,
-    ) -> Vec<String> {
+    ) -> Vec<Warning> {
         // Light tracing splats everywhere: no pixel needs a sample of its own.
         let pixels = self.size[0] as u64 * self.size[1] as u64;
         let unsampled = match settings.method() {

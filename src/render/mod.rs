@@ -23,7 +23,7 @@ use crate::film::Image;
 use crate::integrators::{BidirectionalPathTracer, LightTracer, PathTracer};
 use crate::scene::Scene;
 
-pub use choice::{Choice, choose};
+pub use choice::{Choice, ChoiceReason, choose};
 pub use error::ErrorEstimate;
 pub use mmlt::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
@@ -32,6 +32,7 @@ pub use settings::{Budget, Integrator, Method, PssmltSettings, Settings};
 pub use statistics::{MmltStatistics, MutationStatistics, PssmltStatistics, Statistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies};
 pub use target::SplatTarget;
+pub use warnings::Warning;
 
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,8 +84,8 @@ pub struct Rendering {
     pub statistics: Statistics,
     /// The observer cancelled the render before its budget was spent.
     pub interrupted: bool,
-    /// What the user should know about the image.
-    pub warnings: Vec<String>,
+    /// What limits the image.
+    pub warnings: Vec<Warning>,
 }
 
 /// Renders `scene`. The image depends on the scene and the settings alone, to the bit, whatever the
@@ -113,9 +114,7 @@ pub fn render(
         .flatten()
         .all(|&value| value == 0.0);
     if black && !rendering.interrupted && rendering.warnings.is_empty() {
-        rendering
-            .warnings
-            .push("the image is black: no path has found light".into());
+        rendering.warnings.push(Warning::Black);
     }
     Ok(rendering)
 }

@@ -9,7 +9,9 @@ use std::time::Instant;
 
 use super::clock::Clock;
 use super::passes::{PassLoop, Tile, TileBuffer};
-use super::{NonFinite, Observer, SampleId, Settings, Statistics, in_pool, pixel_count, warnings};
+use super::{
+    NonFinite, Observer, SampleId, Settings, Statistics, Warning, in_pool, pixel_count, warnings,
+};
 use crate::film::{Film, Image, Splat, SplatLog};
 use crate::integrators::{BidirectionalPathTracer, PathSampler};
 use crate::math::Rgb;
@@ -37,8 +39,8 @@ pub struct Strategies {
     pub statistics: Statistics,
     /// The observer cancelled before all samples were taken.
     pub interrupted: bool,
-    /// What the user should know about the images.
-    pub warnings: Vec<String>,
+    /// What limits the images.
+    pub warnings: Vec<Warning>,
 }
 
 /// Why techniques cannot be shown.
@@ -245,7 +247,7 @@ impl<'a> Pyramid<'a> {
         let splat_scale = 1.0 / samples.max(1) as f64;
         let images = self.techniques.iter().zip(&self.films);
         let images = images.map(|(&technique, films)| {
-            let [unweighted, weighted] = films.each_ref().map(|film| film.develop(splat_scale));
+            let [unweighted, weighted] = films.each_ref().map(|film| film.resolve(splat_scale));
             TechniqueImages {
                 technique,
                 unweighted,

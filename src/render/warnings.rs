@@ -1,105 +1,127 @@
-//! What the user should know about an image.
+//! What limits an image, found from the state of a finished render.
 
 use super::{ErrorEstimate, NonFinite, Settings};
 use crate::markov::{Bootstrap, ChainCounters};
 use crate::statistics::Moments;
 
-/// The image is as uncertain in overall brightness as b: beyond this the user is told.
-const WORTH_A_WARNING: f64 = 0.02;
-
-/// A chain is stuck if it has rejected so many proposals in a row, and more than half of its steps.
-const STUCK: u64 = 1000;
-
-/// Tells of contributions that were left out.
-pub(super) fn non_finite(non_finite: &NonFinite) -> Option<String> {
-    (non_finite.count > 0).then(|| {
-        format!(
-            "{} contributions were NaN, infinite or negative and have been left out",
-            non_finite.count
-        )
-    })
+/// A reason to distrust an image, or to render for longer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Warning {
+    /// Contributions that were NaN, infinite or negative were left out.
+    NonFinite {
+        /// Number of such contributions.
+        count: u64,
+    },
+    /// Some pixels have no sample and are dark.
+    Unsampled {
+        /// Pixels with a sample.
+        done: u64,
+        /// Pixels of the image.
+        pixels: u64,
+    },
+    /// The error was to be estimated, but there are not two independent parts of the samples.
+    ErrorUnknown,
+    /// The budget ended before the target error was reached.
+    TargetNotReached {
+        /// Estimated relMSE of the image.
+        estimate: f64,
+        /// relMSE asked for.
+        target: f64,
+    },
+    /// In many pixels nearly all variance comes from one part of the samples
+    /// ([`ErrorEstimate::single`]): the error is probably larger than estimated.
+    RareContributions {
+        /// Share of such pixels, in (0, 1].
+        share: f64,
+    },
+    /// Chains were started, but made no mutation: the image is black.
+    NoMutations,
+    /// Chains spent more than half of their mutations in one state.
+    StuckChains {
+        /// Number of such chains.
+        stuck: u64,
+        /// Number of all chains.
+        chains: u64,
+    },
+    /// No bootstrap sample found light: b is 0 and the image is black.
+    NoLightInBootstrap {
+        /// Number of bootstrap samples.
+        samples: u64,
+    },
+    /// There are too few samples to estimate the standard error of b.
+    NormalisationUnknown,
+    /// The standard error of b, and so of the brightness of the whole image, is large.
+    NormalisationUncertain {
+        /// Standard error of b over b.
+        relative_error: f64,
+    },
+    /// All pixels are 0, and no other warning says why.
+    Black,
 }
 
-/// Tells that pixels are missing.
-pub(super) fn unsampled(done: u64, pixels: u64) -> Option<String> {
-    (done < pixels).then(|| {
-        format!(
-            "only {done} of {pixels} pixels have been sampled: the rest is dark. Render for longer"
-        )
-    })
+/// Largest relative standard error of b without a warning.
+const MAX_NORMALISATION_ERROR: f64 = 0.02;
+
+/// A chain is stuck if it has rejected this many proposals in a row, and more than half of its steps.
+const MIN_STUCK_RUN: u64 = 1000;
+
+/// Contributions that were left out.
+pub(super) fn non_finite(non_finite: &NonFinite) -> Option<Warning> {
+    let count = non_finite.count;
+    (count > 0).then_some(Warning::NonFinite { count })
 }
 
-/// Tells that an error was asked for and cannot be given, or has not been reached.
-pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Option<String> {
+/// Pixels without samples.
+pub(super) fn unsampled(done: u64, pixels: u64) -> Option<Warning> {
+    (done < pixels).then_some(Warning::Unsampled { done, pixels })
+}
+
+/// An error that was asked for and either is not known or has not been reached.
+pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Option<Warning> {
     match (estimate, settings.target_error) {
-        (None, _) if settings.wants_error() => Some(
-            "the error of the image is not known: that takes two samples per pixel at least, or \
-             two chains"
-                .into(),
-        ),
-        (Some(estimate), Some(target)) if estimate.relative_mse > target => Some(format!(
-            "the relMSE is about {:.2e}, and not yet {target:.2e}: render for longer",
-            estimate.relative_mse
-        )),
+        (None, _) if settings.wants_error() => Some(Warning::ErrorUnknown),
+        (Some(estimate), Some(target)) if estimate.relative_mse > target => {
+            Some(Warning::TargetNotReached {
+                estimate: estimate.relative_mse,
+                target,
+            })
+        }
         _ => None,
     }
 }
 
-/// Tells that standard errors are probably too small.
-pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<String> {
-    let single = estimate.map_or(0.0, |estimate| estimate.single);
-    (single > ErrorEstimate::MAX_SINGLE).then(|| {
-        format!(
-            "errors are probably larger than estimated: in {:.0}% of the pixels nearly all variance \
-             comes from one part of the samples, so that rare light is still to be found. Render \
-             for longer",
-            100.0 * single
-        )
-    })
+/// Standard errors that are probably too small.
+pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<Warning> {
+    let share = estimate.map_or(0.0, |estimate| estimate.single);
+    (share > ErrorEstimate::MAX_SINGLE).then_some(Warning::RareContributions { share })
 }
 
-/// Tells of a Metropolis image without mutations.
-pub(super) fn no_mutation(done: u64, chains: usize) -> Option<String> {
-    (done == 0 && chains > 0).then(|| "no mutation was made: the image is black".into())
+/// A Metropolis image without mutations.
+pub(super) fn no_mutation(done: u64, chains: usize) -> Option<Warning> {
+    (done == 0 && chains > 0).then_some(Warning::NoMutations)
 }
 
 /// True if the chain has spent most of its time in one state.
 pub(super) fn is_stuck(counters: &ChainCounters) -> bool {
     let run = counters.longest_rejection_run;
-    run >= STUCK && 2 * run > counters.steps()
+    run >= MIN_STUCK_RUN && 2 * run > counters.steps()
 }
 
-/// Tells of chains that hardly moved.
-pub(super) fn stuck(stuck: u64, chains: u64) -> Option<String> {
-    (stuck > 0).then(|| {
-        format!(
-            "{stuck} of {chains} chains have been in one state for more than half of their \
-             mutations: what they show are single paths, perhaps as bright spots"
-        )
-    })
+/// Chains that hardly moved.
+pub(super) fn stuck(stuck: u64, chains: u64) -> Option<Warning> {
+    (stuck > 0).then_some(Warning::StuckChains { stuck, chains })
 }
 
-/// Tells how little is known of b.
-pub(super) fn normalisation(uniform: &Moments, bootstrap: &Bootstrap) -> Option<String> {
+/// How well b is known.
+pub(super) fn normalisation(uniform: &Moments, bootstrap: &Bootstrap) -> Option<Warning> {
     let relative_error = uniform.standard_error() / uniform.mean;
     if bootstrap.moments.mean <= 0.0 {
-        Some(format!(
-            "none of {} bootstrap samples found light: the image is black. If the scene is not \
-             meant to be black, give more samples with --bootstrap",
-            bootstrap.moments.count
-        ))
+        let samples = bootstrap.moments.count;
+        Some(Warning::NoLightInBootstrap { samples })
     } else if !relative_error.is_finite() {
-        Some(
-            "b is not known, and neither is the brightness of the image: give more samples with \
-             --bootstrap"
-                .into(),
-        )
-    } else if relative_error > WORTH_A_WARNING {
-        Some(format!(
-            "b is known to {:.1}% only (one standard error), and so is the brightness of the \
-             image: render for longer, or give more samples with --bootstrap",
-            100.0 * relative_error
-        ))
+        Some(Warning::NormalisationUnknown)
+    } else if relative_error > MAX_NORMALISATION_ERROR {
+        Some(Warning::NormalisationUncertain { relative_error })
     } else {
         None
     }

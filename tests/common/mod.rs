@@ -4,10 +4,15 @@
 pub mod compare;
 pub mod comparison;
 pub mod figures;
+#[cfg(unix)]
+pub mod interrupt;
 pub mod page;
 pub mod reference;
 pub mod tiles;
 pub mod truths;
+/// The sentences that the program prints, so that the tables in `docs/` quote them word for word.
+#[path = "../../src/commands/wording.rs"]
+pub mod wording;
 pub mod words;
 pub mod workplace;
 pub mod worlds;

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use predicates::str::{contains, is_empty};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -72,6 +73,13 @@ impl Workplace {
             .current_dir(self.0.path())
             .args(arguments.split(' '));
         command
+    }
+
+    /// Asserts that the program rejects `arguments` with exit code 2 and an explanation on stderr that
+    /// contains `message`.
+    pub fn assert_rejects(&self, arguments: &str, message: &str) {
+        let assert = self.run(arguments).assert().code(2);
+        assert.stdout(is_empty()).stderr(contains(message));
     }
 
     /// Names of all files, sorted.

@@ -94,7 +94,7 @@ proptest! {
             let value = Rgb::new(1.0, 2.0, 0.5);
             film.splat(&Splat { position, value });
         }
-        let image = film.develop(1.0 / f64::from(columns * rows));
+        let image = film.resolve(1.0 / f64::from(columns * rows));
         for pixel in &image.pixels {
             for (found, expected) in pixel.iter().zip([1.0, 2.0, 0.5]) {
                 prop_assert!((found / expected - 1.0).abs() < 0.01, "{pixel:?}");

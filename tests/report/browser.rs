@@ -1,4 +1,4 @@
-//! The page in a headless Chromium: what a user does, and what is seen then.
+//! The page in a headless Chromium: actions of a user and their effect.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::common::page::{Browser, Page};
 use crate::common::workplace::Workplace;
 use crate::{hostile, whole_page};
 
-/// What a user does with the page, and what comes of it.
+/// Actions of a user, and what is seen after each.
 const USE: &str = r#"
 const element = (id) => document.getElementById(id);
 const set = (id, value, event) => {
@@ -21,7 +21,7 @@ const set = (id, value, event) => {
 const canvas = element("right-canvas");
 const pixel = (x, y) => [...canvas.getContext("2d").getImageData(x, y, 1, 1).data];
 const box = () => element("view").getBoundingClientRect();
-// Which image is seen at a share of the view's width.
+// The image that is visible at a share of the view's width.
 const seen = (share) =>
   document.elementFromPoint(box().left + share * box().width, box().top + 0.62 * box().height).id;
 const divider = () => (element("divider").getBoundingClientRect().left + 1 - box().left) / box().width;
@@ -34,7 +34,7 @@ element("view").scrollIntoView();
 found.pictures = [...document.images].map((image) => image.complete && image.naturalWidth > 0);
 found.sizes = [canvas.width, canvas.height];
 found.names = [element("left-name").textContent, element("right-name").textContent];
-found.developed = [0, 1, 2, 3].map((stops) => {
+found.exposed = [0, 1, 2, 3].map((stops) => {
   set("exposure", stops, "input");
   return pixel(10, 12);
 });
@@ -68,7 +68,7 @@ found.other = { right: element("right").value, against: element("against").value
 #[test]
 fn the_viewer_works_in_a_browser() {
     let Some(browser) = Browser::find() else {
-        eprintln!("skipped: there is no Chromium on this machine to look at the page with");
+        eprintln!("skipped: no Chromium was found");
         return;
     };
     let place = Workplace::new();
@@ -78,14 +78,14 @@ fn the_viewer_works_in_a_browser() {
         ["reference", "bdpt"].map(|name| place.pixels(&format!("out/{name}.exr")));
     assert_eq!(found["problems"], json!([]), "{found:#}");
 
-    // Everything is there.
+    // All pictures and images are loaded.
     assert_eq!(found["pictures"], json!(vec![true; 10]));
     assert_eq!(found["sizes"], json!([20, 15]));
     assert_eq!(found["names"], json!(["reference", "bdpt"]));
 
-    // Exposure develops the linear values: what a PNG of the brighter image would hold.
+    // Exposure scales the linear values: the pixels are those of a PNG of the brighter image.
     let shown = image[12 * 20 + 10];
-    for (stops, pixel) in (0..4).zip(found["developed"].as_array().expect("pixels")) {
+    for (stops, pixel) in (0..4).zip(found["exposed"].as_array().expect("pixels")) {
         for (c, value) in shown.iter().enumerate() {
             let expected = srgb(f64::from(*value) * f64::from(1 << stops));
             let byte = pixel[c].as_f64().expect("a byte");
@@ -95,10 +95,10 @@ fn the_viewer_works_in_a_browser() {
             );
         }
     }
-    assert_ne!(found["developed"][0], found["developed"][3]);
+    assert_ne!(found["exposed"][0], found["exposed"][3]);
     assert_eq!(found["stops"], "+3 stops");
 
-    // The divider is where the slider and the pointer put it, and parts the images there.
+    // The slider and the pointer move the divider, which separates the images.
     let [left, right] = ["left-canvas", "right-canvas"];
     check_close(&found["split"][0]["divider"], 0.2);
     check_close(&found["split"][1]["divider"], 0.8);
@@ -112,13 +112,13 @@ fn the_viewer_works_in_a_browser() {
         "{pointed}"
     );
 
-    // Zoom leaves the divider where it is.
+    // Zoom does not move the divider.
     let zoomed = found["zoomed"].as_f64().expect("a number");
     assert!((zoomed - 1.5 * 1.5 * 2.0).abs() < 1e-3, "{zoomed}");
     check_close(&found["zoomedDivider"], 0.3);
     assert_eq!(found["fit"], 1.0);
 
-    // Errors have the colours that `compare` gives them.
+    // Errors have the colours of `compare`.
     assert_eq!(found["scale"], true);
     let errors = relative_square_errors(&image, &reference);
     for ([x, y], pixel) in [[10, 12], [3, 4], [17, 8]]
@@ -136,7 +136,7 @@ fn the_viewer_works_in_a_browser() {
         }
     }
 
-    // An image of another size is not shown beside one that it does not fit.
+    // Images of different sizes are not shown together.
     assert_eq!(
         found["other"],
         json!({ "right": "4", "against": "", "sizes": [6, 4] })
@@ -158,11 +158,11 @@ fn srgb(linear: f64) -> f64 {
     (255.0 * encoded.clamp(0.0, 1.0)).round()
 }
 
-/// No text of a hostile file runs as a script.
+/// Text of a hostile file does not run as a script.
 #[test]
 fn a_hostile_page_runs_nothing() {
     let Some(browser) = Browser::find() else {
-        eprintln!("skipped: there is no Chromium on this machine to look at the page with");
+        eprintln!("skipped: no Chromium was found");
         return;
     };
     let place = Workplace::new();
@@ -177,11 +177,11 @@ fn a_hostile_page_runs_nothing() {
     assert_eq!(found["options"], 1);
 }
 
-/// The pixels on the screen change with the divider.
+/// The divider changes the pixels on the screen.
 #[test]
 fn the_screen_shows_the_divider_move() {
     let Some(browser) = Browser::find() else {
-        eprintln!("skipped: there is no Chromium on this machine to look at the page with");
+        eprintln!("skipped: no Chromium was found");
         return;
     };
     let place = Workplace::new();
@@ -194,7 +194,7 @@ fn the_screen_shows_the_divider_move() {
     }
     place.run("report out").assert().success();
     let page = Page::read(&place.path("out/report.html"));
-    // Columns of the screen that are white at the height of the image, black being the other image.
+    // Percentage of white columns in the middle row of the screen; the other image is black.
     let white = |split: u32| -> u32 {
         let script = format!(
             "const split = document.getElementById('split'); split.value = {split}; \

@@ -1,5 +1,5 @@
-//! `metrolight report`: the page stands alone, tells nothing as markup that a file contains, and its
-//! viewer works in a browser.
+//! `metrolight report`: the page is self-contained, escapes the contents of files, and its viewer works
+//! in a browser.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,10 +13,10 @@ use base64::engine::general_purpose::STANDARD;
 use common::page::Page;
 use common::workplace::Workplace;
 use metrolight::film::{AttributeValue, Image, write_exr, write_png};
-use predicates::str::{contains, is_empty};
+use predicates::str::contains;
 use serde_json::{Value, json};
 
-/// A page about all that commands leave.
+/// A page with the results of all commands.
 fn whole_page(place: &Workplace) -> Page {
     for command in [
         "converge room.xml --integrators bdpt,pssmlt --spp 4 --repeats 1 -o out -q",
@@ -26,7 +26,7 @@ fn whole_page(place: &Workplace) -> Page {
         "render room.xml --integrator path --spp 4 -o out/path.exr -q",
         "render sky.xml --integrator path --spp 1 -o out/sky.exr -q",
     ] {
-        // A diagnosis of few short chains may find anything.
+        // A diagnosis of few short chains may reject.
         let code = place.run(command).assert().get_output().status.code();
         assert!(code == Some(0) || command.starts_with("diagnose") && code == Some(1));
     }
@@ -37,14 +37,15 @@ fn whole_page(place: &Workplace) -> Page {
 }
 
 #[test]
-fn the_page_holds_everything_and_refers_to_nothing_else() {
+fn the_page_is_complete_and_self_contained() {
     let place = Workplace::new();
     let page = whole_page(&place);
     page.check_stands_alone();
     let body = page.document();
     let figures = body.descendants().filter(|node| node.has_tag_name("img"));
     let captions: Vec<_> = figures.filter_map(|node| node.attribute("alt")).collect();
-    // One chart and two images of errors of converge, three charts, two maps, two sheets.
+    // A chart and two error images of converge, three charts of diagnose, two error images of compare,
+    // two contact sheets.
     assert_eq!(captions.len(), 10, "{captions:?}");
     let text = page.text();
     for expected in [
@@ -62,7 +63,7 @@ fn the_page_holds_everything_and_refers_to_nothing_else() {
     ] {
         assert!(text.contains(expected), "{expected}");
     }
-    // The reference first, then the integrators, then others; none of single techniques.
+    // The reference comes first, then the integrators, then others. Single techniques are left out.
     let data = page.data();
     let images = data["images"].as_array().expect("images");
     let names: Vec<_> = images.iter().map(|image| image["name"].as_str()).collect();
@@ -73,7 +74,7 @@ fn the_page_holds_everything_and_refers_to_nothing_else() {
     }
 }
 
-/// An image of the page is that of the file, but for the rounding of half floats.
+/// Asserts that an image of the page is that of the file, up to the rounding of half floats.
 fn check_pixels(image: &Value, expected: &[[f32; 3]]) {
     let bytes = STANDARD.decode(image["pixels"].as_str().expect("a text"));
     let bytes = bytes.expect("base64");
@@ -88,10 +89,10 @@ fn check_pixels(image: &Value, expected: &[[f32; 3]]) {
     }
 }
 
-/// A text that is markup, closes scripts and attributes, and asks for files.
+/// A text with markup that closes scripts and attributes, and refers to a file.
 const HOSTILE: &str = r#"</script><script>alert(1)</script>"'><img src="http://x/y">&amp;{{7*7}}"#;
 
-/// A directory `out` with all that a file can say, hostile.
+/// Makes a directory `out` whose files contain hostile text wherever they can.
 fn hostile(place: &Workplace) {
     let out = place.path("out");
     fs::create_dir(&out).expect("made");
@@ -137,18 +138,18 @@ fn hostile(place: &Workplace) {
 }
 
 #[test]
-fn what_files_say_is_text_and_no_markup() {
+fn text_of_files_is_escaped() {
     let place = Workplace::new();
     hostile(&place);
     place.run("report out -o page.html -q").assert().success();
     let page = Page::read(&place.path("page.html"));
     page.check_stands_alone();
-    // The label, the warning, the verdict... all say what they say.
+    // The label, the warning, the verdict and others are shown as text.
     assert!(page.text().matches(HOSTILE).count() >= 8);
     let name = r#"a"onerror=alert(1) <b>&'"#;
     assert_eq!(page.data()["images"][0]["name"], name);
     assert!(page.text().contains(name));
-    // Two scripts, and a picture only of the SVG document, not of a file outside the directory.
+    // Two scripts, and one picture: the SVG document, but no file outside the directory.
     let document = page.document();
     let count = |tag: &str| {
         document
@@ -160,7 +161,7 @@ fn what_files_say_is_text_and_no_markup() {
 }
 
 #[test]
-fn sections_without_data_are_left_out_and_wrong_input_is_explained() {
+fn empty_sections_are_left_out_and_wrong_input_is_explained() {
     let place = Workplace::new();
     for name in ["empty", "broken", "svg", "only"] {
         fs::create_dir(place.path(name)).expect("made");
@@ -171,8 +172,11 @@ fn sections_without_data_are_left_out_and_wrong_input_is_explained() {
     for (arguments, message) in [
         ("report empty", "has nothing to report on"),
         ("report empty", "convergence.json or .svg"),
-        ("report none", "there is no such directory; needed is"),
-        ("report room.xml", "it is a file; needed is"),
+        (
+            "report none",
+            "there is no such directory; expected a directory",
+        ),
+        ("report room.xml", "it is a file; expected a directory"),
         ("report broken", "what `metrolight diagnose` writes"),
         ("report broken", "Run diagnose again"),
         ("report svg", "tiles.svg is not what"),
@@ -180,13 +184,12 @@ fn sections_without_data_are_left_out_and_wrong_input_is_explained() {
         ("report empty -o no/page.html", "no directory no"),
         ("report", "<DIR>"),
     ] {
-        let assert = place.run(arguments).assert();
-        assert.code(2).stdout(is_empty()).stderr(contains(message));
+        place.assert_rejects(arguments, message);
     }
     assert!(!place.path("empty/report.html").exists());
     assert!(!place.path("broken/report.html").exists());
 
-    // An image that cannot be read is left out, with a word; others are shown.
+    // An image that cannot be read is left out with a warning; others are shown.
     place
         .run("render sky.xml --integrator path --spp 1 -o only/sky.exr -q")
         .assert()

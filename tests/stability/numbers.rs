@@ -11,6 +11,7 @@ use metrolight::statistics::Moments;
 
 use crate::common::compare::{assert_mean, assert_same_image, mean, means, rendering, tiles};
 use crate::common::figures::{Stability, record};
+use crate::common::wording;
 use crate::common::worlds::{World, shine};
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
@@ -39,7 +40,10 @@ pub fn row(case: &str, method: &str, happens: impl Into<String>, told: impl Into
 pub fn told(rendering: &Rendering) -> String {
     match rendering.warnings.as_slice() {
         [] => "nothing".into(),
-        warnings => warnings.join("; "),
+        warnings => {
+            let sentences: Vec<String> = warnings.iter().map(wording::warning).collect();
+            sentences.join("; ")
+        }
     }
 }
 

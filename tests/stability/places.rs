@@ -8,6 +8,7 @@ use metrolight::statistics::Moments;
 
 use super::numbers::{ALPHA, ROUNDING, figure, lamp_in_slab, row, told};
 use crate::common::compare::{assert_mean, mean, means, rendering, settings};
+use crate::common::wording;
 use crate::common::worlds::{World, shine};
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
@@ -271,7 +272,7 @@ fn a_closed_white_furnace_ends_and_is_reported() {
         "path, light, bdpt, pssmlt",
         "ends (some 75 vertices to a subpath); the truth is infinite, the image a number that grows with \
          the samples",
-        trapped.to_string(),
+        wording::trapped_light(&trapped),
     );
     assert_eq!(trapped_light(&furnace(0.99)), None);
     assert_eq!(trapped_light(&lamp_in_slab(2.0 * DVec3::Y)), None);

@@ -11,6 +11,7 @@ use metrolight::statistics::Moments;
 use serde::Serialize;
 
 use super::common::figures::record;
+use super::common::wording;
 use super::rooms::{GLASS, OUT_OF_SIGHT, ball, behind_one_pane, behind_two_panes, lamp, room};
 
 /// What shrinks.
@@ -172,7 +173,7 @@ impl Sweep {
                     relative_mse: error.mean,
                     found: found.mean,
                     found_error: found.standard_error(),
-                    told: lost.iter().map(ToString::to_string).collect(),
+                    told: lost.iter().map(wording::lost_light).collect(),
                 }
             })
             .into()
@@ -218,7 +219,7 @@ fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
         panic!("three methods");
     };
     let tells = |row: &Row, text: &str| row.told.iter().any(|told| told.contains(text));
-    let text = "path tracing finds that light only by running into";
+    let text = "Path tracing finds that light only by hitting";
     assert!(tells(path, text), "{:?}", path.told);
     assert!(path.found < 0.99, "{}", path.found);
     for row in [bdpt, pssmlt] {

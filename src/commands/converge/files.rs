@@ -1,4 +1,4 @@
-//! What an experiment leaves: tables, charts and images.
+//! The files of an experiment: tables, charts and images.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::reference::Reference;
 use crate::commands::comparison::relative_map;
-use crate::commands::figures::digits;
+use crate::commands::numbers::digits;
 use crate::commands::output;
 
 const CSV: &str = "convergence.csv";
@@ -23,7 +23,22 @@ const JSON: &str = "convergence.json";
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
 
-/// A directory for the files of one experiment.
+/// Results of an experiment, and its settings.
+pub struct Results<'a> {
+    /// Title of the chart.
+    pub scene_name: &'a str,
+    /// Settings of the command.
+    pub settings: Value,
+    pub reference: &'a Reference,
+    pub variants: &'a [Variant],
+    /// One for each variant.
+    pub curves: &'a [Curve],
+    pub outcome: &'a Outcome,
+    /// Sentences for the user.
+    pub warnings: &'a [String],
+}
+
+/// The directory and file names of one experiment.
 pub struct Files {
     directory: PathBuf,
     /// File names of the variants, without extension.
@@ -31,8 +46,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Makes `directory` if it is not there, and fails if one of the files could not be written,
-    /// before anybody has spent time on them.
+    /// Makes `directory` if it does not exist. Fails before rendering if one of the files could not be
+    /// written.
     pub fn prepare(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
         output::make_directory(directory)?;
         let files = Self {
@@ -51,7 +66,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Where a variant's image goes, its preview, and the image of its error.
+    /// Paths of a variant's image, of its preview, and of the image of its error.
     fn images(&self, stem: &str) -> [PathBuf; 3] {
         [".exr", ".png", "-error.png"].map(|end| self.path(&format!("{stem}{end}")))
     }
@@ -60,12 +75,12 @@ impl Files {
         self.directory.join(name)
     }
 
-    /// Where a reference is written that was rendered for the experiment.
+    /// Path of a reference that is rendered for the experiment.
     pub fn reference(&self) -> PathBuf {
         self.path("reference.exr")
     }
 
-    /// A line that says what was written where.
+    /// A line about the files that were written.
     pub fn wrote(&self) -> String {
         format!(
             "wrote convergence.svg, .png, .csv, .json and images to {}",
@@ -73,19 +88,18 @@ impl Files {
         )
     }
 
-    /// Writes everything; `settings` go into the JSON file.
-    pub fn write(
-        &self,
-        scene_name: &str,
-        settings: Value,
-        reference: &Reference,
-        variants: &[Variant],
-        curves: &[Curve],
-        outcome: &Outcome,
-    ) -> miette::Result<()> {
+    /// Writes everything.
+    pub fn write(&self, results: &Results) -> miette::Result<()> {
+        let Results {
+            reference,
+            variants,
+            curves,
+            outcome,
+            ..
+        } = results;
         let table = csv_table(variants, &reference.image, outcome).into_diagnostic()?;
         output::write_bytes(&self.path(CSV), &table)?;
-        let svg = convergence_chart(scene_name, variants, curves, reference.relative_mse)
+        let svg = convergence_chart(results.scene_name, variants, curves, reference.relative_mse)
             .into_diagnostic()?;
         output::write_text(&self.path(SVG), &svg)?;
         let png = rasterize(&svg, PNG_SCALE).into_diagnostic()?;
@@ -93,8 +107,7 @@ impl Files {
         for (stem, image) in self.stems.iter().zip(&outcome.images) {
             self.write_images(stem, image, &reference.image)?;
         }
-        let summary = self.summary_json(settings, reference, variants, curves, outcome);
-        output::write_json(&self.path(JSON), &summary)
+        output::write_json(&self.path(JSON), &self.summary_json(results))
     }
 
     fn write_images(&self, stem: &str, image: &Image, reference: &Image) -> miette::Result<()> {
@@ -104,32 +117,31 @@ impl Files {
         output::write_bytes(&error, &relative_map(image, reference)?)
     }
 
-    fn summary_json(
-        &self,
-        settings: Value,
-        reference: &Reference,
-        variants: &[Variant],
-        curves: &[Curve],
-        outcome: &Outcome,
-    ) -> Value {
+    fn summary_json(&self, results: &Results) -> Value {
+        let (variants, curves) = (results.variants, results.curves);
         let of = |(i, variant): (usize, &Variant)| {
+            let comparison = |cost, measure| comparison(variants, curves, i, cost, measure);
             json!({
                 "label": variant.label,
-                "integrator": variant.settings.integrator,
+                "integrator": variant.settings.method(),
                 "image": self.stems[i],
                 "slope": curves[i].slope(Cost::Seconds, Measure::Whole),
-                "comparison": comparison(variants, curves, i, (Cost::Seconds, Measure::Whole)),
-                "comparison_trimmed": comparison(variants, curves, i, (Cost::Seconds, Measure::Trimmed)),
-                "comparison_by_rays": comparison(variants, curves, i, (Cost::Rays, Measure::Whole)),
+                "comparison": comparison(Cost::Seconds, Measure::Whole),
+                "comparison_trimmed": comparison(Cost::Seconds, Measure::Trimmed),
+                "comparison_by_rays": comparison(Cost::Rays, Measure::Whole),
                 "points": curves[i].points,
             })
         };
+        let reference = results.reference;
         json!({
-            "settings": settings,
-            "reference": { "description": reference.description, "relative_mse": reference.relative_mse },
+            "settings": results.settings,
+            "reference": {
+                "description": reference.description,
+                "relative_mse": reference.relative_mse,
+            },
             "variants": variants.iter().enumerate().map(of).collect::<Vec<_>>(),
-            "interrupted": outcome.interrupted,
-            "warnings": outcome.warnings,
+            "interrupted": results.outcome.interrupted,
+            "warnings": results.warnings,
         })
     }
 }
@@ -152,17 +164,17 @@ const COLUMNS: [&str; 15] = [
     "mean_ratio",
 ];
 
-/// One row for each measurement, under a row of names.
+/// A row of names, and one row for each measurement.
 fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;
     for m in &outcome.measurements {
         let Variant { label, settings } = &variants[m.variant];
-        let (moment, error) = (&m.moment, &m.error);
+        let (progress, error) = (&m.progress, &m.error);
         let numbers = [
-            moment.seconds,
-            moment.samples as f64 / reference.pixels.len() as f64,
-            moment.rays as f64,
+            progress.seconds,
+            progress.samples as f64 / reference.pixels.len() as f64,
+            progress.rays as f64,
             error.mse,
             error.rmse,
             error.relative_mse,
@@ -172,7 +184,7 @@ fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv:
         ];
         let texts = [
             label.clone(),
-            settings.integrator.name().into(),
+            settings.method().name().into(),
             m.repeat.to_string(),
             settings.seed.wrapping_add(m.repeat).to_string(),
             m.index.to_string(),
@@ -186,12 +198,12 @@ fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv:
         .map_err(|error| error.into_error().into())
 }
 
-/// A line for each variant: its last error, and what it takes to be as good as the baseline.
+/// A line for each variant: its final error, and the time to reach the error of the baseline.
 pub fn summary(variants: &[Variant], curves: &[Curve]) -> String {
     let width = variants.iter().map(|v| v.label.len()).max().unwrap_or(0);
     let line = |(i, variant): (usize, &Variant)| {
         let end = curves[i].end()?;
-        let said = comparison(variants, curves, i, (Cost::Seconds, Measure::Whole));
+        let said = comparison(variants, curves, i, Cost::Seconds, Measure::Whole);
         let said = said.map_or_else(String::new, |said| format!("; {said}"));
         Some(format!(
             "{:width$}  relMSE {} ({} to {}), without the worst 0.1% {}, after {:.1} s{said}",

@@ -1,32 +1,31 @@
-//! `metrolight converge`: error against time, integrator by integrator.
+//! `metrolight converge`: measures the error of integrators against time.
 
 mod files;
 mod reference;
 mod sweep;
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
-use metrolight::analysis::lost_light;
 use metrolight::convergence::{Curve, Experiment, Variant};
-use metrolight::render::{Budget, Integrator, Settings};
+use metrolight::render::{Budget, Method, Settings, Warning};
 use miette::{IntoDiagnostic, bail};
 
-use self::files::Files;
-use self::reference::Effort;
+use self::files::{Files, Results};
+use self::reference::RenderOptions;
 use self::sweep::Sweep;
-use super::progress::Progress;
-use super::render::{IntegratorName, print_warnings};
+use super::names::IntegratorName;
+use super::run_args::RunArgs;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, interrupt, output, say, tell, values};
+use super::{Outcome, eprint, interrupt, output, print, values, warn, wording};
 
 /// Chart the error of integrators against time
 ///
-/// Renders the scene by each integrator several times and measures every image as it grows, against a
-/// reference, with the render's clock stopped. Writes convergence.svg and .png (relMSE against seconds
-/// and against rays, and without the worst 0.1% of the pixels against seconds: a line for the mean of
-/// the repeats, a band from the least to the greatest), convergence.csv (all measurements), convergence.json, and for each integrator the last image of its
-/// first repeat with a false-colour image of its error.
+/// Renders the scene several times with each integrator, and measures the error of the image against a
+/// reference during each render; the time of measuring does not count. Writes convergence.svg and .png
+/// (relMSE against seconds and against rays, and relMSE without the worst 0.1% of the pixels against
+/// seconds; a line for the mean of the repeats, a band from the least to the greatest), convergence.csv
+/// (all measurements), convergence.json, and for each integrator the final image of its first repeat
+/// with a false-colour image of its error.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -37,7 +36,7 @@ Examples:
   metrolight converge scene.xml --integrators pssmlt --time 20s -o chart \\
       --sweep large-step-probability=0.05,0.1,0.3,0.6
 
-Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (whole renders so far are charted)"
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (complete renders are charted)"
 )]
 pub struct Args {
     #[command(flatten)]
@@ -47,32 +46,32 @@ pub struct Args {
     #[arg(long, value_name = "NAME,...", required = true, value_delimiter = ',')]
     integrators: Vec<IntegratorName>,
 
-    /// Time of each render (60s, 2m, 1.5h, or plain seconds) [default: 60s]
+    /// Time of each render (60s, 2m, 1.5h, or seconds) [default: 60s]
     #[arg(long, value_name = "TIME", value_parser = values::seconds)]
     time: Option<f64>,
 
-    /// Samples (or mutations) per pixel of each render, instead of --time
+    /// Samples (for pssmlt mutations) per pixel of each render, instead of --time
     #[arg(long, value_name = "N", value_parser = values::positive, conflicts_with = "time")]
     spp: Option<u64>,
 
-    /// Renders of each integrator, with seeds counted up from --seed
+    /// Number of renders of each integrator; each has its own seed, counting up from --seed
     #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 5)]
     repeats: u64,
 
-    /// Directory for all that is written; made if it is not there
+    /// Directory for all files; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 
-    /// The truth: an image of the scene's size [default: rendered first, into reference.exr]
+    /// Reference image, of the scene's size [default: rendered first, into reference.exr]
     #[arg(long, value_name = "REF.exr")]
     reference: Option<PathBuf>,
 
-    /// Integrator that renders the reference
+    /// Integrator of the reference
     /// [default: mmlt or pssmlt if it is among --integrators, else bdpt]
     #[arg(long, value_name = "NAME", conflicts_with = "reference")]
     reference_integrator: Option<IntegratorName>,
 
-    /// How many times the time (or samples) of one render the reference gets
+    /// Time (or samples) of the reference, in multiples of those of one render
     #[arg(
         long,
         value_name = "N",
@@ -82,52 +81,48 @@ pub struct Args {
     )]
     reference_effort: u64,
 
-    /// Measure each value of an option: large-step-probability, chains, bootstrap, threads, small-step,
-    /// threshold, direct (separate, joint) or importance-map (on, off)
+    /// Measure several values of one option: large-step-probability, chains, bootstrap, threads,
+    /// small-step, threshold, direct (separate, joint) or importance-map (on, off)
     #[arg(long, value_name = "OPTION=V1,V2,...", value_parser = sweep::sweep)]
     sweep: Option<Sweep>,
 
     /// Seed of the first repeat
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = values::threads)]
-    threads: Option<usize>,
-
-    /// Print nothing but warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
-/// Time of a render when the user names none, in seconds.
+/// Default time of a render, in seconds.
 const DEFAULT_SECONDS: f64 = 60.0;
 
-/// Loads, finds the reference, renders and measures, and writes what came of it.
+/// Loads the scene, reads or renders the reference, measures the renders and writes the results.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let variants = args.variants()?;
     let files = Files::prepare(&args.output, &variants)?;
     interrupt::listen()?;
     let opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
-    print_warnings(&lost(&opened, &variants));
-    let progress = Progress::new(args.quiet, stderr().is_terminal());
+    warn(&opened.warnings);
+    warn(lost(&opened, &variants));
+    let progress = args.run.progress();
 
-    // The truth.
+    // Read or render the reference.
     let reference = match &args.reference {
         Some(path) => reference::read(path, &opened.scene)?,
         None => {
-            let effort = args.reference_effort();
-            let rendered = reference::render(&args.scene, &opened, effort, &files, &progress)?;
+            let options = args.reference_options();
+            let rendered =
+                reference::render(&args.scene, &opened, options, &files.reference(), &progress)?;
             let Some(reference) = rendered else {
-                tell("interrupted before the reference was done: nothing is measured");
+                eprint("interrupted before the reference was complete: nothing is measured");
                 return Ok(Outcome::Interrupted);
             };
             reference
         }
     };
-    if !args.quiet {
-        say(&reference.description);
+    if !args.run.quiet {
+        print(&reference.description);
     }
 
     // Measure.
@@ -139,9 +134,10 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     };
     let outcome = experiment.run(&progress).into_diagnostic()?;
     progress.finish();
-    print_warnings(&outcome.warnings);
+    let warnings = limits(&outcome.warnings, &variants);
+    warn(&warnings);
     if outcome.measurements.is_empty() {
-        tell("interrupted before the first render was done: nothing is charted");
+        eprint("interrupted before the first render was complete: nothing is charted");
         return Ok(Outcome::Interrupted);
     }
 
@@ -149,33 +145,49 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let curves: Vec<Curve> = (0..variants.len())
         .map(|i| Curve::new(&outcome.measurements, i))
         .collect();
-    let settings = args.settings_json(&opened);
-    files.write(
-        &args.scene.name()?,
-        settings,
-        &reference,
-        &variants,
-        &curves,
-        &outcome,
-    )?;
-    print_warnings(reference.doubt(&curves).as_slice());
-    if !args.quiet {
-        say(files::summary(&variants, &curves));
-        say(files.wrote());
+    files.write(&Results {
+        scene_name: &args.scene.name()?,
+        settings: args.settings_json(&opened),
+        reference: &reference,
+        variants: &variants,
+        curves: &curves,
+        outcome: &outcome,
+        warnings: &warnings,
+    })?;
+    warn(reference.doubt(&curves));
+    if !args.run.quiet {
+        print(files::summary(&variants, &curves));
+        print(files.wrote());
     }
     if outcome.interrupted {
-        tell("interrupted: the chart holds the renders that were whole by then");
+        eprint("interrupted: the chart holds the complete renders");
         return Ok(Outcome::Interrupted);
     }
     Ok(Outcome::Done)
 }
 
-/// Light that an integrator cannot find: its error against a reference that has it stays.
+/// Warnings of light that an integrator cannot find: it is part of the error if the reference has it.
 fn lost(opened: &Opened, variants: &[Variant]) -> Vec<String> {
     let mut lines = Vec::new();
     for Variant { label, settings } in variants {
-        let lost = lost_light(&opened.scene, settings.integrator.sampler());
+        let lost = opened.lost_light(settings.method().techniques());
         lines.extend(lost.iter().map(|lost| format!("{label}: {lost}")));
+    }
+    lines
+}
+
+/// Warnings of all renders, each sentence once.
+fn limits(warnings: &[(usize, Warning)], variants: &[Variant]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (variant, warning) in warnings {
+        let line = format!(
+            "{}: {}",
+            variants[*variant].label,
+            wording::warning(warning)
+        );
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
     }
     lines
 }
@@ -188,19 +200,19 @@ impl Args {
         }
     }
 
-    /// Every integrator, with every value of the sweep that means something to it.
+    /// Every integrator, with every value of the sweep if the option applies to it.
     fn variants(&self) -> miette::Result<Vec<Variant>> {
         let mut variants = Vec::new();
         for &name in &self.integrators {
-            let integrator = Integrator::from(name);
+            let method = Method::from(name);
             let settings = Settings {
                 budget: self.budget(),
                 seed: self.seed,
-                threads: self.threads,
-                ..Settings::new(integrator)
+                threads: self.run.threads,
+                ..Settings::new(method)
             };
             match &self.sweep {
-                Some(sweep) if sweep.means_something_to(integrator) => {
+                Some(sweep) if sweep.applies_to(method) => {
                     let swept = sweep.apply(&settings).into_iter();
                     variants.extend(swept.map(|(value, settings)| Variant {
                         label: format!("{name} {} {value}", sweep.name()),
@@ -217,10 +229,10 @@ impl Args {
             && !self
                 .integrators
                 .iter()
-                .any(|&name| sweep.means_something_to(name.into()))
+                .any(|&name| sweep.applies_to(name.into()))
         {
             bail!(
-                "--sweep: {} means nothing to any of the integrators",
+                "--sweep: {} applies to none of the integrators",
                 sweep.name()
             );
         }
@@ -235,19 +247,19 @@ impl Args {
         Ok(variants)
     }
 
-    fn reference_effort(&self) -> Effort {
-        let measured = |integrator| {
+    fn reference_options(&self) -> RenderOptions {
+        let measured = |method| {
             let mut names = self.integrators.iter();
-            names.any(|&name| Integrator::from(name) == integrator)
+            names.any(|&name| Method::from(name) == method)
         };
-        let integrator = match self.reference_integrator {
+        let method = match self.reference_integrator {
             Some(name) => name.into(),
-            None if measured(Integrator::Mmlt) => Integrator::Mmlt,
-            None if measured(Integrator::Pssmlt) => Integrator::Pssmlt,
-            None => Integrator::Bdpt,
+            None if measured(Method::Mmlt) => Method::Mmlt,
+            None if measured(Method::Pssmlt) => Method::Pssmlt,
+            None => Method::Bdpt,
         };
-        Effort {
-            integrator,
+        RenderOptions {
+            method,
             budget: match self.budget() {
                 Budget::SamplesPerPixel(n) => {
                     Budget::SamplesPerPixel(n.saturating_mul(self.reference_effort))
@@ -255,9 +267,9 @@ impl Args {
                 Budget::Seconds(seconds) => Budget::Seconds(seconds * self.reference_effort as f64),
                 Budget::Unlimited => Budget::Unlimited,
             },
-            // Not a seed that a repeat has, or its image would be part of the truth.
+            // No repeat may have this seed: its image would be correlated with the reference.
             seed: !self.seed,
-            threads: self.threads,
+            threads: self.run.threads,
         }
     }
 
@@ -271,7 +283,7 @@ impl Args {
             "budget": output::budget_json(self.budget()),
             "repeats": self.repeats,
             "seed": self.seed,
-            "threads": self.threads.unwrap_or_else(rayon::current_num_threads),
+            "threads": self.run.threads.unwrap_or_else(rayon::current_num_threads),
         })
     }
 }

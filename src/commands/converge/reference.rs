@@ -1,33 +1,33 @@
-//! The truth that images are measured against, as far as it is known.
+//! The reference image that renders are measured against.
 
 use std::path::Path;
 
 use metrolight::convergence::Curve;
 use metrolight::film::Image;
 use metrolight::metrics::expected_relative_mse;
-use metrolight::render::{self, Budget, Integrator, Settings};
+use metrolight::render::{self, Budget, Method, Settings};
 use metrolight::scene::Scene;
 use miette::{IntoDiagnostic, bail};
 
-use super::Progress;
-use super::files::Files;
-use crate::commands::figures::{digits, duration, json};
+use crate::commands::numbers::{digits, duration};
+use crate::commands::progress::Progress;
 use crate::commands::source::{Opened, SceneArgs};
-use crate::commands::{input, output, render::print_warnings};
+use crate::commands::statistics::json;
+use crate::commands::{input, output, warn, wording};
 
-/// A reference, and how far it can be trusted.
+/// A reference image and its error.
 pub struct Reference {
     pub image: Image,
-    /// Its own expected relMSE, if it is known.
+    /// Its expected relMSE, if known.
     pub relative_mse: Option<f64>,
-    /// Where it comes from, for people.
+    /// Its source and its error, in words.
     pub description: String,
 }
 
-/// A reference with an error of more than this part of the smallest one measured shows in the chart.
-const SHOWS: f64 = 0.1;
+/// Largest error of a reference without a warning, relative to the smallest error that was measured.
+const MAX_SHARE: f64 = 0.1;
 
-/// Reads the reference that the user has.
+/// Reads a reference from a file.
 pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
     let annotated = input::read(path)?;
     let image = annotated.image;
@@ -51,28 +51,28 @@ pub fn read(path: &Path, scene: &Scene) -> miette::Result<Reference> {
     })
 }
 
-/// How the reference is rendered.
-pub struct Effort {
-    pub integrator: Integrator,
+/// How a reference is rendered.
+pub struct RenderOptions {
+    pub method: Method,
     pub budget: Budget,
     pub seed: u64,
     pub threads: Option<usize>,
 }
 
-/// Renders a reference and writes it; `None` if the user stopped it.
+/// Renders a reference and writes it to `path`; `None` if the user interrupted.
 pub fn render(
     args: &SceneArgs,
     opened: &Opened,
-    effort: Effort,
-    files: &Files,
+    options: RenderOptions,
+    path: &Path,
     progress: &Progress,
 ) -> miette::Result<Option<Reference>> {
     let settings = Settings {
-        budget: effort.budget,
-        seed: effort.seed,
-        threads: effort.threads,
+        budget: options.budget,
+        seed: options.seed,
+        threads: options.threads,
         error: true,
-        ..Settings::new(effort.integrator)
+        ..Settings::new(options.method)
     };
     let rendering = render::render(&opened.scene, &settings, progress).into_diagnostic()?;
     progress.finish();
@@ -82,17 +82,17 @@ pub fn render(
     let warnings: Vec<String> = rendering
         .warnings
         .iter()
-        .map(|warning| format!("reference: {warning}"))
+        .map(|warning| format!("reference: {}", wording::warning(warning)))
         .collect();
-    print_warnings(&warnings);
+    warn(&warnings);
     let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
-    output::write_rendering(&files.reference(), &rendering, &report)?;
+    output::write_rendering(path, &rendering, &report)?;
     let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
-    let spent = match effort.budget {
+    let spent = match options.budget {
         Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),
         Budget::Seconds(_) | Budget::Unlimited => duration(rendering.statistics.render_seconds),
     };
-    let name = effort.integrator.name();
+    let name = options.method.name();
     let description = format!("reference: {name}, {spent}; {}", trust(relative_mse));
     Ok(Some(Reference {
         image: rendering.image,
@@ -104,7 +104,7 @@ pub fn render(
 fn trust(relative_mse: Option<f64>) -> String {
     match relative_mse {
         Some(error) => format!(
-            "its own relMSE is about {}, as the spread of its samples tells",
+            "its own relMSE is about {}, estimated from its samples",
             digits(error)
         ),
         None => "its own error is not known".into(),
@@ -112,17 +112,17 @@ fn trust(relative_mse: Option<f64>) -> String {
 }
 
 impl Reference {
-    /// Tells that the chart shows the reference's error as well.
+    /// A warning if the error of the reference is a large part of the errors measured.
     pub fn doubt(&self, curves: &[Curve]) -> Option<String> {
         let own = self.relative_mse?;
         let ends = curves
             .iter()
             .filter_map(|curve| Some(curve.end()?.relative_mse));
         let least = ends.fold(f64::INFINITY, f64::min);
-        (own > SHOWS * least).then(|| {
+        (own > MAX_SHARE * least).then(|| {
             format!(
                 "the reference's own relMSE, about {}, is part of every error measured, and \
-                 {:.0}% of the least: give --reference-effort more",
+                 {:.0}% of the least: increase --reference-effort",
                 digits(own),
                 100.0 * own / least
             )

@@ -1,152 +1,125 @@
-//! One option, several values.
-
-use std::fmt;
+//! An option of the integrators that takes several values in turn.
 
 use clap::ValueEnum;
-use metrolight::markov::SmallStep;
-use metrolight::render::{Integrator, Settings};
+use metrolight::markov::Perturbation;
+use metrolight::render::{Integrator, Method, Settings};
 
-use crate::commands::render::DirectName;
+use crate::commands::names::DirectName;
 use crate::commands::values;
 
-/// An option, with the values that it takes in turn. Such options change how a scene
-/// is rendered but not the truth.
+/// An option and its values. Such an option changes the variance of an image but not its mean.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Sweep {
-    LargeStepProbability(Vec<f32>),
-    Chains(Vec<u64>),
-    Bootstrap(Vec<u64>),
-    Threads(Vec<usize>),
-    SmallStep(Vec<SmallStep>),
-    Threshold(Vec<f32>),
-    Direct(Vec<DirectName>),
-    ImportanceMap(Vec<Switch>),
+pub struct Sweep {
+    name: String,
+    /// Each as text and parsed.
+    values: Vec<(String, Value)>,
 }
 
-/// Of an option that is there or not.
+/// A value of an option.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Switch {
-    On,
-    Off,
+enum Value {
+    LargeStepProbability(f32),
+    Chains(u64),
+    Bootstrap(u64),
+    Threads(usize),
+    SmallStep(Perturbation),
+    Threshold(f32),
+    Direct(DirectName),
+    ImportanceMap(bool),
 }
 
-impl fmt::Display for Switch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::On => "on",
-            Self::Off => "off",
-        })
+impl Value {
+    fn parse(option: &str, text: &str) -> Result<Self, String> {
+        match option {
+            "large-step-probability" => values::probability(text).map(Self::LargeStepProbability),
+            "chains" => values::chains(text).map(Self::Chains),
+            "bootstrap" => values::positive(text).map(Self::Bootstrap),
+            "threads" => values::threads(text).map(Self::Threads),
+            "small-step" => values::small_step(text).map(Self::SmallStep),
+            "threshold" => values::threshold(text).map(Self::Threshold),
+            "direct" => direct(text).map(Self::Direct),
+            "importance-map" => switch(text).map(Self::ImportanceMap),
+            _ => Err(
+                "expected an option and its values, such as large-step-probability=0.1,0.3; other \
+                 options are chains, bootstrap, threads, small-step, threshold, direct and \
+                 importance-map"
+                    .into(),
+            ),
+        }
+    }
+
+    /// Sets the option in `settings`; false if their integrator does not have it.
+    fn set(self, settings: &mut Settings) -> bool {
+        match (self, &mut settings.integrator) {
+            (Self::Threads(n), _) => settings.threads = Some(n),
+            (Self::LargeStepProbability(p), Integrator::Pssmlt(own)) => {
+                own.large_step_probability = p;
+            }
+            (Self::Chains(n), Integrator::Pssmlt(own)) => own.chains = n,
+            (Self::Bootstrap(n), Integrator::Pssmlt(own)) => own.bootstrap = Some(n),
+            (Self::SmallStep(step), Integrator::Pssmlt(own)) => own.small_step = step,
+            (Self::SmallStep(step), Integrator::Mmlt(own)) => own.small_step = step,
+            (Self::Threshold(threshold), Integrator::Mmlt(own)) => own.threshold = Some(threshold),
+            (Self::Direct(direct), Integrator::Mmlt(own)) => {
+                own.separate_direct = direct == DirectName::Separate;
+            }
+            (Self::ImportanceMap(on), Integrator::Mmlt(own)) => own.importance_map = on,
+            _ => return false,
+        }
+        true
     }
 }
 
-fn switch(text: &str) -> Result<Switch, String> {
+fn switch(text: &str) -> Result<bool, String> {
     match text {
-        "on" => Ok(Switch::On),
-        "off" => Ok(Switch::Off),
-        _ => Err("on or off is needed".into()),
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("expected on or off".into()),
     }
 }
 
 fn direct(text: &str) -> Result<DirectName, String> {
-    DirectName::from_str(text, false).map_err(|_| "separate or joint is needed".into())
+    DirectName::from_str(text, false).map_err(|_| "expected separate or joint".into())
 }
 
 /// The value parser of `--sweep`.
 pub fn sweep(text: &str) -> Result<Sweep, String> {
     let (name, list) = text.split_once('=').unwrap_or((text, ""));
-    Ok(match name {
-        "large-step-probability" => Sweep::LargeStepProbability(all(list, values::probability)?),
-        "chains" => Sweep::Chains(all(list, values::chains)?),
-        "bootstrap" => Sweep::Bootstrap(all(list, values::positive)?),
-        "threads" => Sweep::Threads(all(list, values::threads)?),
-        "small-step" => Sweep::SmallStep(all(list, values::small_step)?),
-        "threshold" => Sweep::Threshold(all(list, values::threshold)?),
-        "direct" => Sweep::Direct(all(list, direct)?),
-        "importance-map" => Sweep::ImportanceMap(all(list, switch)?),
-        _ => {
-            return Err(
-                "an option and its values are needed: large-step-probability=0.1,0.3, or chains, \
-                 bootstrap, threads, small-step, threshold, direct or importance-map likewise"
-                    .into(),
-            );
-        }
+    let value = |text: &str| {
+        let value = Value::parse(name, text).map_err(|error| match text {
+            "" => error,
+            _ => format!("`{text}`: {error}"),
+        })?;
+        Ok((text.into(), value))
+    };
+    Ok(Sweep {
+        name: name.into(),
+        values: list.split(',').map(value).collect::<Result<_, String>>()?,
     })
-}
-
-fn all<T>(list: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
-    let value = |text| parse(text).map_err(|needed| format!("`{text}`: {needed}"));
-    list.split(',').map(value).collect()
 }
 
 impl Sweep {
     /// The option's name.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::LargeStepProbability(_) => "large-step-probability",
-            Self::Chains(_) => "chains",
-            Self::Bootstrap(_) => "bootstrap",
-            Self::Threads(_) => "threads",
-            Self::SmallStep(_) => "small-step",
-            Self::Threshold(_) => "threshold",
-            Self::Direct(_) => "direct",
-            Self::ImportanceMap(_) => "importance-map",
-        }
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
-    /// True if the option changes what the integrator does.
-    pub fn means_something_to(&self, integrator: Integrator) -> bool {
-        match self {
-            Self::Threads(_) => true,
-            Self::LargeStepProbability(_) | Self::Chains(_) | Self::Bootstrap(_) => {
-                integrator.is_metropolis()
-            }
-            Self::SmallStep(_) => integrator.is_metropolis() || integrator == Integrator::Mmlt,
-            Self::Threshold(_) | Self::Direct(_) | Self::ImportanceMap(_) => {
-                integrator == Integrator::Mmlt
-            }
-        }
+    /// True if the integrator has the option.
+    pub fn applies_to(&self, method: Method) -> bool {
+        let mut settings = Settings::new(method);
+        let mut values = self.values.iter();
+        values.all(|(_, value)| value.set(&mut settings))
     }
 
-    /// `settings` with each of the values, and the value as text.
+    /// Each value as text, and `settings` with it.
     pub fn apply(&self, settings: &Settings) -> Vec<(String, Settings)> {
-        match self {
-            Self::LargeStepProbability(values) => with_each(settings, values, |settings, &p| {
-                settings.large_step_probability = p;
-            }),
-            Self::Chains(values) => with_each(settings, values, |settings, &n| settings.chains = n),
-            Self::Bootstrap(values) => with_each(settings, values, |settings, &n| {
-                settings.bootstrap = Some(n);
-            }),
-            Self::Threads(values) => with_each(settings, values, |settings, &n| {
-                settings.threads = Some(n);
-            }),
-            Self::SmallStep(values) => with_each(settings, values, |settings, &step| {
-                settings.small_step = step;
-            }),
-            Self::Threshold(values) => with_each(settings, values, |settings, &threshold| {
-                settings.division.threshold = Some(threshold);
-            }),
-            Self::Direct(values) => with_each(settings, values, |settings, &direct| {
-                settings.division.separate_direct = direct == DirectName::Separate;
-            }),
-            Self::ImportanceMap(values) => with_each(settings, values, |settings, &map| {
-                settings.division.importance = map == Switch::On;
-            }),
-        }
+        let with = |(text, value): &(String, Value)| {
+            let mut settings = settings.clone();
+            value.set(&mut settings);
+            (text.clone(), settings)
+        };
+        self.values.iter().map(with).collect()
     }
-}
-
-fn with_each<T: ToString>(
-    settings: &Settings,
-    values: &[T],
-    set: impl Fn(&mut Settings, &T),
-) -> Vec<(String, Settings)> {
-    let with = |value: &T| {
-        let mut settings = settings.clone();
-        set(&mut settings, value);
-        (value.to_string(), settings)
-    };
-    values.iter().map(with).collect()
 }
 
 #[cfg(test)]
@@ -156,25 +129,30 @@ mod tests {
     #[test]
     fn values_are_those_of_the_option() {
         let parsed = sweep("large-step-probability=0.05,0.3").unwrap();
-        let settings = parsed.apply(&Settings::default());
+        let settings = parsed.apply(&Settings::new(Method::Pssmlt));
         assert_eq!(settings[0].0, "0.05");
-        assert_eq!(settings[1].1.large_step_probability, 0.3);
-        assert!(!parsed.means_something_to(Integrator::Bdpt));
-        assert!(
-            sweep("threads=1,2")
-                .unwrap()
-                .means_something_to(Integrator::Bdpt)
-        );
+        let Integrator::Pssmlt(own) = &settings[1].1.integrator else {
+            panic!("not pssmlt: {settings:?}");
+        };
+        assert_eq!(own.large_step_probability, 0.3);
+        assert!(!parsed.applies_to(Method::Bdpt));
+        assert!(sweep("threads=1,2").unwrap().applies_to(Method::Bdpt));
         let steps = sweep("small-step=log:0.001:0.01,gaussian:0.02").unwrap();
-        assert!(steps.means_something_to(Integrator::Mmlt));
-        assert!(!steps.means_something_to(Integrator::Bdpt));
-        let settings = steps.apply(&Settings::new(Integrator::Mmlt));
+        assert!(steps.applies_to(Method::Mmlt));
+        assert!(!steps.applies_to(Method::Bdpt));
+        let settings = steps.apply(&Settings::new(Method::Mmlt));
         assert_eq!(settings[1].0, "gaussian:0.02");
-        assert_eq!(settings[0].1.small_step, SmallStep::new(0.001, 0.01));
+        let Integrator::Mmlt(own) = &settings[0].1.integrator else {
+            panic!("not mmlt: {settings:?}");
+        };
+        assert_eq!(own.small_step, Perturbation::new(0.001, 0.01));
         let direct = sweep("direct=separate,joint").unwrap();
-        let settings = direct.apply(&Settings::new(Integrator::Mmlt));
+        let settings = direct.apply(&Settings::new(Method::Mmlt));
         assert_eq!(settings[1].0, "joint");
-        assert!(!settings[1].1.division.separate_direct);
+        let Integrator::Mmlt(own) = &settings[1].1.integrator else {
+            panic!("not mmlt: {settings:?}");
+        };
+        assert!(!own.separate_direct);
         for text in [
             "",
             "chains",

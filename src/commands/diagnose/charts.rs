@@ -1,15 +1,15 @@
-//! A diagnosis in charts.
+//! Charts of a diagnosis.
 
 use metrolight::diagnosis::{Diagnosis, Quality, TILES};
 use metrolight::plot::{Axis, Chart, HeatMap, Mark, PlotError, Series, draw, draw_heat_maps};
 
-/// Bars of the histogram of p-values.
+/// Number of bars in the histogram of p-values.
 const BINS: usize = 20;
 
-/// Points of a trace in its chart.
+/// Maximum number of points of a trace in its chart.
 const TRACE_POINTS: usize = 1000;
 
-/// File names and SVG documents.
+/// File names and SVG documents of all charts.
 pub fn all(diagnosis: &Diagnosis) -> Result<Vec<(&'static str, String)>, PlotError> {
     let quality = &diagnosis.quality;
     Ok(vec![
@@ -64,7 +64,8 @@ fn autocorrelation(quality: &Quality) -> Chart {
     }
 }
 
-/// Uncorrected p-values: of correct chains they are uniform, but for what tests share.
+/// Uncorrected p-values. For correct chains they are uniform, but tests of the same chains are not
+/// independent.
 fn p_values(diagnosis: &Diagnosis) -> Chart {
     let mut counts = [0u32; BINS];
     for check in &diagnosis.checks {

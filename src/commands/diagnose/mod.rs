@@ -1,4 +1,4 @@
-//! `metrolight diagnose`: are the chains in equilibrium, and how much are they worth?
+//! `metrolight diagnose`: tests whether Markov chains are stationary, and measures how well they mix.
 
 mod charts;
 mod text;
@@ -7,25 +7,26 @@ use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use metrolight::analysis::lost_light;
-use metrolight::diagnosis::{DiagnoseError, Diagnosis, Effort, SceneLight, diagnose};
+use metrolight::diagnosis::{
+    DiagnoseError, Diagnosis, DiagnosisBudget, MmltChains, MmltSamples, PssmltChains, diagnose,
+};
 use metrolight::film::check_writable;
-use metrolight::render::Integrator;
-use miette::IntoDiagnostic;
+use metrolight::render::{Method, MmltSettings, PssmltSettings};
+use metrolight::scene::Scene;
+use miette::{IntoDiagnostic, bail};
 use serde_json::{Value, json};
 
 use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
-use super::render::print_warnings;
 use super::source::SceneArgs;
-use super::{Outcome, interrupt, say, tell, values};
+use super::{Outcome, eprint, interrupt, print, values, warn};
 
-/// Test whether Markov chains are in equilibrium, and measure how well they mix
+/// Test whether Markov chains are stationary, and measure how well they mix
 ///
-/// Chains are started exactly in the target distribution; hypothesis tests then ask whether they still
-/// have it after 1, 8, 64 and 512 steps, whether steps are reversible, and whether b and the weights of
-/// samples agree with plain sampling. All p-values are corrected together. Long chains that start as
-/// a render's do tell how well they mix: R-hat, effective sample sizes, autocorrelation, acceptance.
+/// Chains start exactly in the target distribution. Hypothesis tests check that they still have it
+/// after 1, 8, 64 and 512 steps, that steps are reversible, and that b and the weights of the samples
+/// agree with independent sampling. All p-values are corrected for multiple testing. Long chains that
+/// start like those of a render give R-hat, effective sample sizes, autocorrelation and acceptance.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -34,6 +35,7 @@ Examples:
   metrolight diagnose scenes/cornell/scene.xml
   metrolight diagnose scenes/pool/scene.xml --alpha 1e-4 --json -o pool-chains
   metrolight diagnose scene.xml --large-step-probability 0.1
+  metrolight diagnose scenes/pool/scene.xml --integrator mmlt
 
 Exit codes: 0 no test rejects, 1 the chains are not stationary, 2 bad input, 130 interrupted"
 )]
@@ -41,27 +43,32 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Method whose chains are tested
+    /// Integrator whose chains are tested
     #[arg(long, default_value_t = ChainIntegrator::Pssmlt, value_enum)]
     integrator: ChainIntegrator,
 
-    /// Probability of calling correct chains not stationary
+    /// Significance level: the probability of rejecting correct chains
     #[arg(long, value_name = "A", value_parser = values::level, default_value_t = 1e-3)]
     alpha: f64,
 
-    /// Probability of a large step, from 0 to 1 [default: that of render]
+    /// pssmlt: probability of a large step, from 0 to 1 [default: that of render]
     #[arg(long, value_name = "P", value_parser = values::probability)]
     large_step_probability: Option<f32>,
 
-    /// Chains that start in equilibrium, if so many independent starts are found
-    #[arg(long, value_name = "N", value_parser = values::chains, default_value_t = Effort::default().chains as u64)]
+    /// mmlt: threshold above which chains render the rest of a path's contribution
+    /// [default: the pilot decides]
+    #[arg(long, value_name = "T", value_parser = values::threshold)]
+    threshold: Option<f32>,
+
+    /// Number of chains that start in equilibrium, if there are as many independent starts
+    #[arg(long, value_name = "N", value_parser = values::chains, default_value_t = DiagnosisBudget::default().chains as u64)]
     chains: u64,
 
-    /// Steps of each of the long chains
-    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = Effort::default().steps)]
+    /// Number of steps of each long chain
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = DiagnosisBudget::default().steps)]
     steps: u64,
 
-    /// Seed of all random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
@@ -73,7 +80,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Directory for diagnose.json, diagnose.txt and charts (SVG); made if it is not there
+    /// Directory for diagnose.json, diagnose.txt and charts (SVG); made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
@@ -83,26 +90,30 @@ pub struct Args {
 }
 
 /// Integrators that have chains.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum ChainIntegrator {
     /// Primary sample space Metropolis over bidirectional path tracing
     Pssmlt,
+    /// Multiplexed Metropolis for bright paths
+    Mmlt,
 }
 
-impl From<ChainIntegrator> for Integrator {
+impl From<ChainIntegrator> for Method {
     fn from(integrator: ChainIntegrator) -> Self {
         match integrator {
             ChainIntegrator::Pssmlt => Self::Pssmlt,
+            ChainIntegrator::Mmlt => Self::Mmlt,
         }
     }
 }
 
-/// Files that a diagnosis leaves in its directory.
+/// Files in the output directory, besides the charts.
 const JSON_FILE: &str = "diagnose.json";
 const TEXT_FILE: &str = "diagnose.txt";
 
-/// Loads, diagnoses, prints and writes.
+/// Loads the scene, diagnoses the chains, and prints and writes the results.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
+    args.check()?;
     if let Some(directory) = &args.output {
         make_directory(directory)?;
         check_writable(&directory.join(JSON_FILE)).into_diagnostic()?;
@@ -113,17 +124,15 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         .build_global()
         .into_diagnostic()?;
     let mut opened = args.scene.open()?;
-    print_warnings(&opened.warnings);
-    let sampler = Integrator::from(args.integrator).sampler();
-    let lost = lost_light(&opened.scene, sampler);
-    print_warnings(&lost.iter().map(ToString::to_string).collect::<Vec<_>>());
-    let effort = args.effort();
+    warn(&opened.warnings);
+    let method = Method::from(args.integrator);
+    warn(opened.lost_light(method.techniques()));
+    let budget = args.budget();
     let progress = Progress::new(args.quiet, stderr().is_terminal());
-    let subject = SceneLight::new(&mut opened.scene, args.threads);
-    let diagnosis = match diagnose(&subject, &effort, &progress) {
+    let diagnosis = match args.diagnose(&mut opened.scene, &budget, &progress) {
         Err(DiagnoseError::Interrupted) => {
             progress.finish();
-            tell("interrupted: nothing is written");
+            eprint("interrupted: nothing is written");
             return Ok(Outcome::Interrupted);
         }
         done => done.into_diagnostic()?,
@@ -131,16 +140,16 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     progress.finish();
 
     let verdict = text::verdict(&diagnosis, args.alpha);
-    let json = args.report(&effort, &diagnosis, &verdict)?;
+    let json = args.report(&budget, &diagnosis, &verdict)?;
     let text = format!("{verdict}\n\n{}", text::tables(&diagnosis, args.alpha));
     if args.json {
-        say(format_args!("{json:#}"));
+        print(format_args!("{json:#}"));
     } else {
-        say(&text);
+        print(&text);
     }
     if let Some(directory) = &args.output {
         write_all(directory, &json, &text, &diagnosis)?;
-        tell(format_args!(
+        eprint(format_args!(
             "wrote {JSON_FILE}, {TEXT_FILE} and charts to {}",
             directory.display()
         ));
@@ -167,31 +176,83 @@ fn write_all(
 }
 
 impl Args {
-    fn effort(&self) -> Effort {
-        let default = Effort::default();
-        Effort {
+    /// Checks that options are given with the integrator that has them.
+    fn check(&self) -> miette::Result<()> {
+        let options = [
+            (
+                "--large-step-probability",
+                self.large_step_probability.is_some(),
+                ChainIntegrator::Pssmlt,
+            ),
+            (
+                "--threshold",
+                self.threshold.is_some(),
+                ChainIntegrator::Mmlt,
+            ),
+        ];
+        for (option, given, of) in options {
+            if given && self.integrator != of {
+                let [of, name] = [of, self.integrator].map(|i| Method::from(i).name());
+                bail!("{option} applies to {of}, not to {name}");
+            }
+        }
+        Ok(())
+    }
+
+    fn budget(&self) -> DiagnosisBudget {
+        DiagnosisBudget {
             seed: self.seed,
-            large_step_probability: self
-                .large_step_probability
-                .unwrap_or(default.large_step_probability),
             chains: self.chains as usize,
             steps: self.steps,
-            ..default
+            ..DiagnosisBudget::default()
+        }
+    }
+
+    fn diagnose(
+        &self,
+        scene: &mut Scene,
+        budget: &DiagnosisBudget,
+        progress: &Progress,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        match self.integrator {
+            ChainIntegrator::Pssmlt => {
+                let defaults = PssmltSettings::default();
+                let own = PssmltSettings {
+                    large_step_probability: self
+                        .large_step_probability
+                        .unwrap_or(defaults.large_step_probability),
+                    ..defaults
+                };
+                diagnose(
+                    &PssmltChains::new(scene, own, self.threads),
+                    budget,
+                    progress,
+                )
+            }
+            ChainIntegrator::Mmlt => {
+                let own = MmltSettings {
+                    threshold: self.threshold,
+                    ..MmltSettings::default()
+                };
+                let samples = MmltSamples::default();
+                let chains = MmltChains::new(scene, own, self.seed, samples)?;
+                diagnose(&chains, budget, progress)
+            }
         }
     }
 
     fn report(
         &self,
-        effort: &Effort,
+        budget: &DiagnosisBudget,
         diagnosis: &Diagnosis,
         verdict: &str,
     ) -> miette::Result<Value> {
         Ok(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "scene": self.scene.path,
-            "integrator": Integrator::from(self.integrator),
+            "integrator": Method::from(self.integrator),
             "alpha": self.alpha,
-            "effort": serde_json::to_value(effort).into_diagnostic()?,
+            "budget": serde_json::to_value(budget).into_diagnostic()?,
             "stationary": diagnosis.rejections(self.alpha).is_empty(),
             "verdict": verdict,
             "diagnosis": serde_json::to_value(diagnosis).into_diagnostic()?,

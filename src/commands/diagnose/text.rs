@@ -1,17 +1,17 @@
-//! A diagnosis in words and tables.
+//! A diagnosis as text and tables.
 
 use metrolight::diagnosis::{Check, Diagnosis, Family, Quality, TILES};
 
-use crate::commands::figures::{digits, quantity};
+use crate::commands::numbers::{digits, quantity};
 
-/// Chains whose R-hat is above this do not agree well enough (Vehtari et al. 2021, section 4).
-const AGREE: f64 = 1.01;
+/// Largest R-hat of chains that have mixed (Vehtari et al. 2021, section 4).
+const MAX_R_HAT: f64 = 1.01;
 
-/// Fewer independent starts than this leave the tests little power.
-const FEW_STARTS: usize = 500;
+/// With fewer independent starts the tests have little power.
+const MIN_STARTS: usize = 500;
 
-/// A tile with less of the steps is not asked for its R-hat: too few visits to tell.
-const FEW_VISITS: f64 = 1e-3;
+/// Smallest share of the steps in a tile whose R-hat is reported.
+const MIN_SHARE: f64 = 1e-3;
 
 const FAMILIES: [(Family, &str); 5] = [
     (Family::Invariance, "invariance"),
@@ -21,7 +21,7 @@ const FAMILIES: [(Family, &str); 5] = [
     (Family::Normalisation, "normalisation"),
 ];
 
-/// What to know first, in a few lines.
+/// The results of the tests and of mixing, in a few lines.
 pub fn verdict(diagnosis: &Diagnosis, alpha: f64) -> String {
     let all = diagnosis.checks.len();
     let rejections = diagnosis.rejections(alpha);
@@ -39,24 +39,24 @@ pub fn verdict(diagnosis: &Diagnosis, alpha: f64) -> String {
         ),
     };
     let mut lines = vec![stationary, mixing(&diagnosis.quality)];
-    if diagnosis.units < FEW_STARTS {
+    if diagnosis.clusters < MIN_STARTS {
         lines.push(format!(
-            "few independent starts: {} among {} samples; a small fault would not be found",
-            diagnosis.units,
+            "few independent starts: {} among {} samples; the tests cannot detect small errors",
+            diagnosis.clusters,
             quantity(diagnosis.samples as f64)
         ));
     }
     lines.join("\n")
 }
 
-/// Where chains agree least.
+/// The quantity or tile with the largest R-hat.
 fn mixing(quality: &Quality) -> String {
     let quantities = quality
         .quantities
         .iter()
         .map(|q| (q.r_hat, q.name.to_string()));
     let tiles = quality.tiles.iter().enumerate();
-    let tiles = tiles.filter(|(_, tile)| tile.share >= FEW_VISITS);
+    let tiles = tiles.filter(|(_, tile)| tile.share >= MIN_SHARE);
     let tiles = tiles.map(|(i, tile)| {
         let [row, column] = [i / TILES + 1, i % TILES + 1];
         (
@@ -66,7 +66,7 @@ fn mixing(quality: &Quality) -> String {
     });
     let known = quantities.chain(tiles).filter(|(r_hat, _)| !r_hat.is_nan());
     match known.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((r_hat, place)) if r_hat > AGREE => {
+        Some((r_hat, place)) if r_hat > MAX_R_HAT => {
             format!("chains mix slowly: R-hat {r_hat:.3} in {place}")
         }
         Some((r_hat, place)) => format!("chains mix well: R-hat at most {r_hat:.3}, in {place}"),
@@ -74,12 +74,12 @@ fn mixing(quality: &Quality) -> String {
     }
 }
 
-/// `1e-3`.
+/// A significance level: `1e-3`.
 fn level(alpha: f64) -> String {
     format!("{alpha:e}")
 }
 
-/// Everything else.
+/// Tables of all results.
 pub fn tables(diagnosis: &Diagnosis, alpha: f64) -> String {
     [
         tests(diagnosis, alpha),
@@ -94,7 +94,7 @@ fn tests(diagnosis: &Diagnosis, alpha: f64) -> String {
     let mut lines = vec![
         format!(
             "{} chains from {} independent starts; smallest p-value of each kind of test",
-            diagnosis.chains, diagnosis.units
+            diagnosis.chains, diagnosis.clusters
         ),
         format!(
             "  {:14} {:>5}  {:>9}  {:>9}  which",
@@ -169,21 +169,22 @@ fn quality(quality: &Quality) -> String {
         )
     }));
     lines.push(
-        "  (steps: that count as one sample; Geweke: chains rejected at 5%; H.-W.: chains that pass \
-         Heidelberger and Welch's test)"
+        "  (steps: autocorrelation time, the steps that count as one independent sample; Geweke: \
+         chains rejected at 5%; H.-W.: chains that pass the test of Heidelberger and Welch)"
             .into(),
     );
-    for (name, [proposed, accepted]) in ["large", "small"].into_iter().zip(quality.acceptance) {
+    for kind in &quality.mutations {
         lines.push(format!(
-            "  {name} steps: {} of {} accepted ({:.1}%)",
-            quantity(accepted as f64),
-            quantity(proposed as f64),
-            100.0 * accepted as f64 / proposed.max(1) as f64
+            "  {}s: {} of {} accepted ({:.1}%)",
+            kind.name,
+            quantity(kind.accepted as f64),
+            quantity(kind.proposed as f64),
+            100.0 * kind.acceptance_rate
         ));
     }
     let [distinct, starts] = quality.distinct_starts;
     lines.push(format!(
-        "  longest run of rejections {}; a render's {starts} chains start from {distinct} different \
+        "  longest run of rejections {}; the {starts} chains of a render start from {distinct} distinct \
          bootstrap samples",
         quality.longest_rejection_run
     ));
@@ -192,7 +193,7 @@ fn quality(quality: &Quality) -> String {
 
 fn start_up(diagnosis: &Diagnosis) -> String {
     let mut lines = vec![
-        "start-up bias of log I, in its standard deviations, by bootstrap samples for each chain"
+        "start-up bias of log I, in standard deviations, by number of bootstrap samples per chain"
             .to_string(),
     ];
     lines.extend(diagnosis.start_up.iter().map(|bias| {

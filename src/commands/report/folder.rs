@@ -1,4 +1,4 @@
-//! The directory that a report is about.
+//! The directory that a report reads.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -10,29 +10,31 @@ use metrolight::film::{Decode, read_image};
 use miette::miette;
 use serde::de::DeserializeOwned;
 
-/// What `report` takes.
-pub const NEEDED: &str =
-    "needed is a directory that converge, diagnose, compare, strategies or render wrote into";
+use crate::commands::warn;
 
-/// A larger picture is left out of the page.
-const MOST_PICTURE_BYTES: usize = 16 << 20;
+/// The input of `report`, in error messages.
+pub const EXPECTED: &str =
+    "expected a directory that converge, diagnose, compare, strategies or render wrote into";
 
-/// A directory with what commands left in it.
+/// Larger pictures are left out of the page.
+const MAX_PICTURE_BYTES: usize = 16 << 20;
+
+/// A directory with results of other commands.
 pub struct Folder<'a> {
     pub path: &'a Path,
-    /// Names of its files, sorted.
+    /// File names in it, sorted.
     pub names: Vec<PathBuf>,
 }
 
-/// A picture as a page holds it.
+/// A picture in the page.
 pub struct Figure {
-    /// The file in a data URI.
+    /// The file as a data URI.
     pub uri: String,
     pub caption: String,
 }
 
 impl<'a> Folder<'a> {
-    /// Finds what is in the directory.
+    /// Lists the directory.
     pub fn open(path: &'a Path) -> miette::Result<Self> {
         let read = || {
             let names = fs::read_dir(path)?.map(|entry| Ok(PathBuf::from(entry?.file_name())));
@@ -44,14 +46,14 @@ impl<'a> Folder<'a> {
                 ErrorKind::NotADirectory => "it is a file".into(),
                 _ => error.to_string(),
             };
-            miette!("cannot read {}: {cause}; {NEEDED}", path.display())
+            miette!("cannot read {}: {cause}; {EXPECTED}", path.display())
         })?;
         names.sort();
         Ok(Self { path, names })
     }
 
-    /// The contents of a file; `None` if it is not in the directory, whatever lies elsewhere under
-    /// that path.
+    /// The contents of a file; `None` if it is not in the directory. Names of files outside the
+    /// directory, such as `../a`, are never read.
     fn read(&self, name: &str) -> miette::Result<Option<Vec<u8>>> {
         if !self.names.iter().any(|known| known.as_os_str() == name) {
             return Ok(None);
@@ -62,16 +64,16 @@ impl<'a> Folder<'a> {
         Ok(Some(bytes))
     }
 
-    /// What is wrong with a file that `command` did not leave as it is.
+    /// The error of a file that is not as `command` wrote it.
     fn broken(&self, name: &str, command: &str, cause: impl std::fmt::Display) -> miette::Report {
         miette!(
-            "{} is not what `metrolight {command}` writes: {cause}. Run {command} again, or take the \
-             file away",
+            "{} is not what `metrolight {command}` writes: {cause}. Run {command} again, or remove the \
+             file",
             self.path.join(name).display()
         )
     }
 
-    /// What `command` left in a JSON file.
+    /// A JSON file that `command` wrote.
     pub fn json<T: DeserializeOwned>(
         &self,
         name: &str,
@@ -86,7 +88,7 @@ impl<'a> Folder<'a> {
             .map_err(|error| self.broken(name, command, error))
     }
 
-    /// What `command` left in a text file.
+    /// A text file that `command` wrote.
     pub fn text(&self, name: &str, command: &str) -> miette::Result<Option<String>> {
         let Some(bytes) = self.read(name)? else {
             return Ok(None);
@@ -96,8 +98,8 @@ impl<'a> Folder<'a> {
             .map_err(|error| self.broken(name, command, error))
     }
 
-    /// A chart of `command`. A browser runs no script of an SVG document that is an image, and its ids
-    /// stay apart from those of the page.
+    /// An SVG chart that `command` wrote. As an image it cannot run scripts, and its ids do not clash
+    /// with those of the page.
     pub fn chart(
         &self,
         name: &str,
@@ -111,12 +113,12 @@ impl<'a> Folder<'a> {
         let document = document.map_err(|error| self.broken(name, command, error))?;
         let root = document.root_element().tag_name();
         if (root.name(), root.namespace()) != ("svg", Some("http://www.w3.org/2000/svg")) {
-            return Err(self.broken(name, command, "it is no SVG document"));
+            return Err(self.broken(name, command, "it is not an SVG document"));
         }
         Ok(self.figure(name, "svg+xml", svg.as_bytes(), caption.into()))
     }
 
-    /// A PNG of `command`.
+    /// A PNG file that `command` wrote.
     pub fn picture(
         &self,
         name: &str,
@@ -129,17 +131,17 @@ impl<'a> Folder<'a> {
         let path = self.path.join(name);
         read_image(&path, Decode::Srgb).map_err(|error| self.broken(name, command, error))?;
         if !bytes.starts_with(b"\x89PNG") {
-            return Err(self.broken(name, command, "it is no PNG"));
+            return Err(self.broken(name, command, "it is not a PNG file"));
         }
         Ok(self.figure(name, "png", &bytes, caption.into()))
     }
 
     fn figure(&self, name: &str, kind: &str, bytes: &[u8], caption: String) -> Option<Figure> {
-        if bytes.len() > MOST_PICTURE_BYTES {
-            super::print_warnings(&[format!(
-                "{} is left out: it has more than {} MiB",
+        if bytes.len() > MAX_PICTURE_BYTES {
+            warn([format!(
+                "{} is left out: it is larger than {} MiB",
                 self.path.join(name).display(),
-                MOST_PICTURE_BYTES >> 20
+                MAX_PICTURE_BYTES >> 20
             )]);
             return None;
         }

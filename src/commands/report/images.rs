@@ -1,4 +1,4 @@
-//! The linear images of a report: those of a scene's renders, in half floats.
+//! The linear images of a report, in half floats.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -10,35 +10,36 @@ use metrolight::film::{AnnotatedImage, AttributeValue, Decode, Image, read_annot
 use serde::Serialize;
 
 use super::folder::Folder;
-use super::sections::short;
-use crate::commands::render::print_warnings;
+use crate::commands::numbers::short;
+use crate::commands::warn;
 
-/// Most pixels of all images of a page together: 8 bytes each, 32 MiB of text. Beyond it all images
-/// are shown smaller.
-const MOST_PIXELS: usize = 1 << 22;
+/// Maximum number of pixels of all images of a page together: 8 bytes each, 32 MiB of text. Larger
+/// images are downsampled.
+const MAX_PIXELS: usize = 1 << 22;
 
-/// The name of the truth that `converge` renders.
+/// The stem of the reference that `converge` renders.
 const REFERENCE: &str = "reference";
 
-/// Attributes of images that Metrolight renders begin with this.
-const OURS: &str = "metrolight.";
+/// Prefix of the attributes of images that Metrolight renders.
+const PREFIX: &str = "metrolight.";
 
-/// Images of single techniques are not shown one by one: there are too many, and the sheets have them.
-const OF_A_TECHNIQUE: &str = "metrolight.technique.s";
+/// Attribute of the images of single techniques. They are not shown: there are many, and the contact
+/// sheets show them.
+const TECHNIQUE: &str = "metrolight.technique.s";
 
-/// An image that was found.
+/// An image in the directory.
 pub struct Found {
-    /// Its file name, without extension.
+    /// File name without extension.
     pub stem: String,
     pub image: Image,
-    /// How it was made: names without their common beginning, and values.
+    /// Attributes of the render: names without [`PREFIX`], and values.
     pub attributes: Vec<(String, String)>,
 }
 
-/// Reads the images: the reference, those of `variants`, which are file names without extension, in
-/// their order, and all others that say how Metrolight made them. What is no image is warned of.
+/// Reads the images: the reference, those of `variants` (file names without extension) in their order,
+/// and all others that have attributes of a Metrolight render. Prints a warning for unreadable files.
 pub fn find(folder: &Folder, variants: &[String]) -> Vec<Found> {
-    let place = |stem: &str| {
+    let order = |stem: &str| {
         let variant = variants.iter().position(|variant| variant == stem);
         match variant {
             _ if stem == REFERENCE => Some(0),
@@ -56,18 +57,18 @@ pub fn find(folder: &Folder, variants: &[String]) -> Vec<Found> {
         let image = match read_annotated(&path, Decode::Srgb) {
             Ok(image) => image,
             Err(error) => {
-                print_warnings(&[format!("{} is left out: {error}", path.display())]);
+                warn([format!("{} is left out: {error}", path.display())]);
                 continue;
             }
         };
         let stem = stem(name);
-        let place = place(&stem);
-        if place.is_some() || is_ours(&image) {
-            found.push((place.unwrap_or(usize::MAX), shown(stem, image)));
+        let order = order(&stem);
+        if order.is_some() || is_render(&image) {
+            found.push((order.unwrap_or(usize::MAX), with_attributes(stem, image)));
         }
     }
-    // Stable: others stay in the order of their names.
-    found.sort_by_key(|(place, _)| *place);
+    // The sort is stable: other images stay in the order of their names.
+    found.sort_by_key(|(order, _)| *order);
     found.into_iter().map(|(_, found)| found).collect()
 }
 
@@ -78,18 +79,19 @@ fn stem(name: &Path) -> String {
         .into_owned()
 }
 
-fn is_ours(image: &AnnotatedImage) -> bool {
+/// True if Metrolight rendered the image, and it is not the image of a single technique.
+fn is_render(image: &AnnotatedImage) -> bool {
     let mut names = image.attributes.keys();
-    names.any(|name| name.starts_with(OURS)) && !image.attributes.contains_key(OF_A_TECHNIQUE)
+    names.any(|name| name.starts_with(PREFIX)) && !image.attributes.contains_key(TECHNIQUE)
 }
 
-fn shown(stem: String, image: AnnotatedImage) -> Found {
+fn with_attributes(stem: String, image: AnnotatedImage) -> Found {
     let attributes = image.attributes.iter().filter_map(|(name, value)| {
         let value = match value {
             AttributeValue::Text(text) => text.clone(),
             AttributeValue::Number(number) => short(*number),
         };
-        Some((name.strip_prefix(OURS)?.to_owned(), value))
+        Some((name.strip_prefix(PREFIX)?.to_owned(), value))
     });
     Found {
         stem,
@@ -98,21 +100,21 @@ fn shown(stem: String, image: AnnotatedImage) -> Found {
     }
 }
 
-/// An image as the page's script takes it.
+/// An image in the format of the page's script.
 #[derive(Serialize)]
 pub struct Embedded<'a> {
     name: &'a str,
     width: usize,
     height: usize,
-    /// What a half float of 1 stands for.
+    /// Value of a half float of 1.
     unit: f64,
-    /// Half floats, R, G and B of each pixel, little-endian, in base64.
+    /// R, G and B of each pixel as little-endian half floats, in base64.
     pixels: String,
 }
 
-/// Into how many pixels by how many one pixel of the page's images is joined, so that all have no more
-/// than `limit` together.
-pub fn joined(images: &[Found], limit: usize) -> usize {
+/// The smallest n for which all images, with n by n pixels joined into one, have no more than `limit`
+/// pixels together.
+fn joined(images: &[Found], limit: usize) -> usize {
     let pixels = |n: usize| -> usize {
         let sizes = images.iter().map(|found| &found.image);
         sizes
@@ -126,19 +128,20 @@ pub fn joined(images: &[Found], limit: usize) -> usize {
         .unwrap_or(longest)
 }
 
-/// All images for the page, and how many pixels by how many are joined into one.
+/// All images for the page, and the n of the n by n pixels that are joined into one.
 pub fn embed(images: &[Found]) -> (Vec<Embedded<'_>>, usize) {
-    let n = joined(images, MOST_PIXELS);
+    let n = joined(images, MAX_PIXELS);
     let embedded = images
         .iter()
-        .map(|found| Embedded::new(&found.stem, &shrunk(&found.image, n)));
+        .map(|found| Embedded::new(&found.stem, &downsampled(&found.image, n)));
     (embedded.collect(), n)
 }
 
 impl<'a> Embedded<'a> {
-    /// Half floats have 11 bits: a relative rounding error of at most 2^-11, 0.05%, which is below what
-    /// the map of errors shows. They do so from 6e-5 to 65504 times the unit, the power of two at the
-    /// image's mean: what is darker is exact to 3e-8 of the mean, what is brighter becomes 65504 units.
+    /// Half floats have 11 significant bits: a relative rounding error of at most 2^-11 (0.05%), which
+    /// is below the scale of errors. This holds from 6e-5 to 65504 units; the unit is the power of two
+    /// below the image's mean. The absolute error of smaller values is below 3e-8 of the mean, and
+    /// larger values become 65504 units.
     fn new(name: &'a str, image: &Image) -> Self {
         let values = || image.pixels.iter().flatten();
         let finite = values()
@@ -151,9 +154,9 @@ impl<'a> Embedded<'a> {
         } else {
             1.0
         };
-        let most = f64::from(f16::MAX);
+        let max = f64::from(f16::MAX);
         let half = |&v: &f32| match f64::from(v) / unit {
-            scaled if v.is_finite() => f16::from_f64(scaled.clamp(-most, most)),
+            scaled if v.is_finite() => f16::from_f64(scaled.clamp(-max, max)),
             scaled => f16::from_f64(scaled),
         };
         let bytes: Vec<u8> = values().flat_map(|v| half(v).to_le_bytes()).collect();
@@ -167,9 +170,9 @@ impl<'a> Embedded<'a> {
     }
 }
 
-/// The image with `n` by `n` pixels joined into their mean; at the right and at the bottom fewer may be
-/// left.
-fn shrunk(image: &Image, n: usize) -> Image {
+/// The image with `n` by `n` pixels joined into their mean; at the right and bottom edge there may be
+/// fewer.
+fn downsampled(image: &Image, n: usize) -> Image {
     let (width, height) = (image.width.div_ceil(n), image.height.div_ceil(n));
     let pixel = |i: usize| {
         let [column, row] = [i % width * n, i / width * n];
@@ -206,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn half_floats_keep_three_digits_whatever_the_scale_of_light() {
+    fn half_floats_keep_three_digits_at_any_scale() {
         for scale in [1e-12f32, 1.0, 1e9] {
             let values = [0.001, 1.2345, 3.0, 0.0].map(|v| v * scale);
             let image = image(2, &values);
@@ -221,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn fireflies_and_what_is_no_number_stay_what_they_are() {
+    fn large_values_are_clamped_and_non_finite_values_kept() {
         let mut values = [1.0; 1 << 18];
         (values[0], values[1], values[2]) = (1e9, f32::NAN, f32::INFINITY);
         let embedded = Embedded::new("", &image(1 << 9, &values));
@@ -232,8 +235,8 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_joined_until_all_fit() {
-        let small = shrunk(&image(3, &[1.0, 3.0, 5.0, 5.0, 7.0, 9.0]), 2);
+    fn pixels_are_joined_until_all_images_fit() {
+        let small = downsampled(&image(3, &[1.0, 3.0, 5.0, 5.0, 7.0, 9.0]), 2);
         assert_eq!(small, image(2, &[4.0, 7.0]));
         let found = |width, height| Found {
             stem: String::new(),

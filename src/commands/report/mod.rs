@@ -1,4 +1,4 @@
-//! `metrolight report`: what commands left in a directory, as one page to look at.
+//! `metrolight report`: one HTML page of the results of other commands in a directory.
 
 mod folder;
 mod images;
@@ -12,17 +12,16 @@ use askama::Template;
 use metrolight::film::check_writable;
 use miette::{IntoDiagnostic, bail};
 
-use self::folder::{Folder, NEEDED};
+use self::folder::{EXPECTED, Folder};
 use self::page::{Page, SCRIPT, STYLE, Viewer};
 use super::output::write_text;
-use super::render::print_warnings;
-use super::{Outcome, say, values};
+use super::{Outcome, print, values, warn};
 
-/// Make one HTML page of what other commands left in a directory
+/// Make one HTML page of the results of other commands in a directory
 ///
-/// The page holds the charts and tables of converge, the verdict of diagnose, the maps of compare, the
-/// sheets of strategies, and all images side by side, with a divider to drag, zoom, exposure and
-/// relative errors. It is one file that needs no network and no server.
+/// The page shows the charts and tables of converge, the verdict of diagnose, the error images of
+/// compare and the contact sheets of strategies. A viewer compares the images, with zoom, exposure and
+/// relative errors. The page is a single file that needs no network and no server.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -37,7 +36,7 @@ pub struct Args {
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 
-    /// The page [default: DIR/report.html]
+    /// HTML file to write [default: DIR/report.html]
     #[arg(short, long, value_name = "FILE.html", value_parser = values::html_path)]
     output: Option<PathBuf>,
 
@@ -46,7 +45,7 @@ pub struct Args {
     quiet: bool,
 }
 
-/// Reads, puts together and writes.
+/// Reads the results, assembles the page and writes it.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let folder = Folder::open(&args.directory)?;
     let output = match &args.output {
@@ -55,7 +54,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     };
     check_writable(&output).into_diagnostic()?;
 
-    // The sections.
+    // Read the sections.
     let convergence = sections::convergence(&folder)?;
     let table = convergence.as_ref().and_then(|c| c.table.as_ref());
     let images = images::find(&folder, table.map_or(&[], |table| &table.stems));
@@ -74,23 +73,23 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let shown = page.sections();
     if shown.is_empty() {
         bail!(
-            "{} has nothing to report on; {NEEDED}: convergence.json or .svg, diagnose.json, \
+            "{} has nothing to report on; {EXPECTED}: convergence.json or .svg, diagnose.json, \
              compare.json, strategies.json, or images (.exr) that Metrolight rendered",
             args.directory.display()
         );
     }
 
-    // The page.
+    // Write the page.
     if let Some(joined) = page.images.as_ref().map(|viewer| viewer.joined)
         && joined > 1
     {
-        print_warnings(&[format!(
-            "the images are large: {joined} x {joined} pixels are shown as one"
+        warn([format!(
+            "the images are large: each pixel of the page is the mean of {joined} x {joined} pixels"
         )]);
     }
     write_text(&output, &page.render().into_diagnostic()?)?;
     if !args.quiet {
-        say(format_args!(
+        print(format_args!(
             "wrote {}: {}",
             output.display(),
             shown.join(", ")
@@ -99,7 +98,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The directory's own name, even if it is given as `.`.
+/// The directory's name, even if it is given as `.`.
 fn title(directory: &Path) -> String {
     let whole = directory.canonicalize();
     let name = whole.as_deref().unwrap_or(directory).file_name();

@@ -1,4 +1,4 @@
-//! The page: one HTML file that asks for nothing else.
+//! The page: a single HTML file without external resources.
 
 use askama::Template;
 use metrolight::plot::false_color;
@@ -10,7 +10,7 @@ use super::sections::{
 };
 use crate::commands::comparison::SCALE;
 
-/// What the page shows. Whatever the template inserts is escaped, but for the style and the script.
+/// Contents of the page. The template escapes all of them except the style, the script and its data.
 #[derive(Template)]
 #[template(path = "page.html")]
 pub struct Page<'a> {
@@ -21,7 +21,7 @@ pub struct Page<'a> {
     pub comparison: Option<ComparisonSection>,
     pub strategies: Option<StrategiesSection>,
     pub images: Option<Viewer<'a>>,
-    /// How images were made.
+    /// Attributes of the images.
     pub origins: Vec<Facts>,
     pub style: &'static str,
     pub script: &'static str,
@@ -31,7 +31,7 @@ pub const STYLE: &str = include_str!("page/page.css");
 pub const SCRIPT: &str = include_str!("page/viewer.js");
 
 impl Page<'_> {
-    /// What the page has.
+    /// Names of the sections that the page has.
     pub fn sections(&self) -> Vec<&'static str> {
         let sections = [
             (self.convergence.is_some(), "convergence"),
@@ -44,7 +44,7 @@ impl Page<'_> {
         there.map(|(_, name)| name).collect()
     }
 
-    /// Settings and versions.
+    /// Settings and versions of all results.
     fn facts(&self) -> Vec<&Facts> {
         let convergence = self.convergence.as_ref().and_then(|c| c.table.as_ref());
         let diagnosis = self.diagnosis.as_ref().and_then(|d| d.verdict.as_ref());
@@ -62,28 +62,28 @@ impl Page<'_> {
     }
 }
 
-/// Images side by side.
+/// The viewer of the images.
 pub struct Viewer<'a> {
     /// Name and size of each.
     pub names: Vec<(&'a str, String)>,
-    /// Pixels by pixels of the files that are one on the page.
+    /// The n of the n by n pixels of the files that are one pixel of the page.
     pub joined: usize,
-    /// Labels of the scale of errors, and their places in percent of its width.
+    /// Labels of the scale of errors, and their positions in percent of its width.
     pub marks: Vec<(&'static str, f64)>,
     pub data: Data<'a>,
 }
 
-/// What the script reads.
+/// Data for the script.
 #[derive(Serialize)]
 pub struct Data<'a> {
     images: Vec<Embedded<'a>>,
-    /// Colours of the scale of errors at equal distances.
+    /// Colours of the scale of errors, at equal distances.
     colors: Vec<[u8; 3]>,
-    /// Relative errors at the ends of the scale, which is logarithmic.
+    /// Relative errors at both ends of the logarithmic scale.
     range: [f64; 2],
 }
 
-/// Colours of the scale of errors.
+/// Number of colours of the scale of errors.
 const COLORS: u32 = 256;
 
 impl<'a> Viewer<'a> {
@@ -93,7 +93,7 @@ impl<'a> Viewer<'a> {
             return None;
         }
         let [(low, _), .., (high, _)] = SCALE;
-        let place = |error: f64| 100.0 * f64::log10(error / low) / f64::log10(high / low);
+        let position = |error: f64| 100.0 * f64::log10(error / low) / f64::log10(high / low);
         let (images, joined) = super::images::embed(found);
         let name = |found: &'a Found| {
             let image = &found.image;
@@ -102,7 +102,7 @@ impl<'a> Viewer<'a> {
         Some(Self {
             names: found.iter().map(name).collect(),
             joined,
-            marks: SCALE.map(|(error, label)| (label, place(error))).into(),
+            marks: SCALE.map(|(error, label)| (label, position(error))).into(),
             data: Data {
                 images,
                 colors: (0..COLORS)

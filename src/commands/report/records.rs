@@ -1,4 +1,4 @@
-//! What other commands wrote about their work, as far as a report shows it.
+//! The JSON files of other commands, as far as a report shows them.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -13,17 +13,17 @@ pub struct Convergence {
     pub warnings: Vec<String>,
 }
 
-/// The truth of a convergence experiment.
+/// The reference of a convergence experiment.
 #[derive(Deserialize)]
 pub struct Reference {
     pub description: String,
 }
 
-/// A line of the chart.
+/// A curve of the chart.
 #[derive(Deserialize)]
 pub struct Variant {
     pub label: String,
-    /// File name of its images, without extension.
+    /// File name of its image, without extension.
     pub image: String,
     pub slope: Option<f64>,
     pub comparison: Option<String>,
@@ -32,7 +32,7 @@ pub struct Variant {
     pub points: Vec<Point>,
 }
 
-/// A point of the line. JSON has no number for an error that is infinite, as against a black reference.
+/// A point of the curve. JSON has no infinity, so the error against a black reference is null.
 #[derive(Deserialize)]
 pub struct Point {
     pub seconds: f64,
@@ -42,7 +42,7 @@ pub struct Point {
     pub relative_mse_trimmed: Option<f64>,
 }
 
-/// `diagnose.json`, without the diagnosis itself, which `diagnose.txt` has in tables.
+/// `diagnose.json`, without the results that are in the tables of `diagnose.txt`.
 #[derive(Deserialize)]
 pub struct Diagnosis {
     pub version: String,

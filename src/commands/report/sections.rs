@@ -1,13 +1,13 @@
-//! The sections of a report, each from the files of one command.
+//! The sections of a report, each made of the files of one command.
 
 use serde_json::{Map, Value};
 
 use super::folder::{Figure, Folder};
 use super::images::Found;
 use super::records::{Comparison, Convergence, Diagnosis, Strategies};
-use crate::commands::figures::{digits, quantity};
+use crate::commands::numbers::{digits, quantity, short};
 
-/// Names and values, under a heading.
+/// A table of names and values.
 pub struct Facts {
     pub heading: String,
     pub rows: Vec<(String, String)>,
@@ -33,7 +33,7 @@ impl Facts {
         self
     }
 
-    /// A value in a row, and an object in a row for each field.
+    /// Adds a row for a value, and for an object a row for each field.
     fn add(&mut self, name: &str, value: &Value) {
         match value {
             Value::Object(fields) => {
@@ -60,24 +60,15 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// A number to seven digits; whole numbers to the last.
-pub fn short(number: f64) -> String {
-    match number.abs() {
-        size if size < 1e15 && number.fract() == 0.0 => number.to_string(),
-        size if (1e-4..1e9).contains(&size) => (number as f32).to_string(),
-        _ => format!("{number:.6e}"),
-    }
-}
-
-/// Error against time.
+/// The results of `converge`.
 pub struct ConvergenceSection {
     pub chart: Option<Figure>,
     pub table: Option<ConvergenceTable>,
-    /// An image of the error for each integrator.
+    /// An image of the error of each variant.
     pub errors: Vec<Figure>,
 }
 
-/// What the chart shows, in numbers.
+/// The errors at the end of the chart.
 pub struct ConvergenceTable {
     pub reference: String,
     pub rows: Vec<ConvergenceRow>,
@@ -87,7 +78,7 @@ pub struct ConvergenceTable {
     pub stems: Vec<String>,
 }
 
-/// The end of a line of the chart.
+/// The end of one curve.
 pub struct ConvergenceRow {
     pub label: String,
     pub seconds: String,
@@ -152,7 +143,7 @@ fn convergence_table(record: Convergence) -> ConvergenceTable {
     });
     let mut notes = record.warnings.clone();
     if record.interrupted {
-        notes.push("interrupted: only renders that were whole by then are counted".into());
+        notes.push("interrupted: only complete renders are counted".into());
     }
     ConvergenceTable {
         rows: rows.collect(),
@@ -163,15 +154,15 @@ fn convergence_table(record: Convergence) -> ConvergenceTable {
     }
 }
 
-/// Whether the chains are in equilibrium.
+/// The results of `diagnose`.
 pub struct DiagnosisSection {
     pub verdict: Option<Verdict>,
-    /// As the command prints them.
+    /// The tables as printed text.
     pub tables: Option<String>,
     pub charts: Vec<Figure>,
 }
 
-/// What is to be known first.
+/// The result of all tests, and the settings.
 pub struct Verdict {
     pub stationary: bool,
     pub text: String,
@@ -187,13 +178,13 @@ pub fn diagnosis(folder: &Folder) -> miette::Result<Option<DiagnosisSection>> {
     for (name, caption) in [
         (
             "traces.svg",
-            "Traces of some chains, and how long they remember",
+            "Traces of some chains, and their autocorrelation",
         ),
         (
             "p-values.svg",
-            "p-values of all tests: about uniform if nothing is wrong",
+            "p-values of all tests: about uniform if the chains are correct",
         ),
-        ("tiles.svg", "How well chains mix, tile by tile"),
+        ("tiles.svg", "Mixing of the chains, tile by tile"),
     ] {
         charts.extend(folder.chart(name, DIAGNOSE, caption)?);
     }
@@ -207,7 +198,7 @@ pub fn diagnosis(folder: &Folder) -> miette::Result<Option<DiagnosisSection>> {
             .with("alpha", record.alpha)
             .with_all(&record.effort),
     });
-    // The text begins with the verdict.
+    // The text begins with the verdict, which is shown separately.
     let tables = text.map(|text| match &verdict {
         Some(verdict) => text.strip_prefix(&verdict.text).unwrap_or(&text).into(),
         None => text,
@@ -221,7 +212,7 @@ pub fn diagnosis(folder: &Folder) -> miette::Result<Option<DiagnosisSection>> {
     }))
 }
 
-/// An image against a reference.
+/// The results of `compare`.
 pub struct ComparisonSection {
     pub verdict: Option<String>,
     pub notes: Vec<String>,
@@ -236,7 +227,7 @@ pub fn comparison(folder: &Folder) -> miette::Result<Option<ComparisonSection>> 
     let mut maps = Vec::new();
     for (name, caption) in [
         ("error.png", "Relative error of each pixel"),
-        ("flip.png", "How visible the error of each pixel is"),
+        ("flip.png", "Visibility of the error of each pixel (FLIP)"),
     ] {
         maps.extend(folder.picture(name, COMPARE, caption)?);
     }
@@ -267,13 +258,13 @@ pub fn comparison(folder: &Folder) -> miette::Result<Option<ComparisonSection>> 
     Ok(Some(section))
 }
 
-/// Each technique alone.
+/// The results of `strategies`.
 pub struct StrategiesSection {
     pub sheets: Vec<Figure>,
     pub table: Option<StrategiesTable>,
 }
 
-/// The light of each technique.
+/// The light of each technique, in numbers.
 pub struct StrategiesTable {
     pub rows: Vec<[String; 5]>,
     pub notes: Vec<String>,
@@ -289,7 +280,7 @@ pub fn strategies(folder: &Folder) -> miette::Result<Option<StrategiesSection>> 
             "weighted.png",
             "Techniques (s, t), weighted: their sum is the image",
         ),
-        ("unweighted.png", "Techniques (s, t) alone, without weights"),
+        ("unweighted.png", "Techniques (s, t), unweighted"),
     ] {
         sheets.extend(folder.picture(name, STRATEGIES, caption)?);
     }
@@ -314,7 +305,7 @@ fn strategies_table(record: Strategies) -> StrategiesTable {
     });
     let mut notes = record.warnings;
     if record.interrupted {
-        notes.push("interrupted: the images hold what had been rendered by then".into());
+        notes.push("interrupted: the images hold the samples taken so far".into());
     }
     let mut settings = Facts::new(STRATEGIES)
         .with("version", record.version)
@@ -330,29 +321,10 @@ fn strategies_table(record: Strategies) -> StrategiesTable {
     }
 }
 
-/// How an image was made, if it says so.
+/// The attributes of an image, if it has any.
 pub fn origin(found: &Found) -> Option<Facts> {
     (!found.attributes.is_empty()).then(|| Facts {
         heading: format!("{}.exr", found.stem),
         rows: found.attributes.clone(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn numbers_are_short() {
-        for (number, expected) in [
-            (20.0, "20"),
-            (-4_194_304.0, "-4194304"),
-            (f64::from(0.3f32), "0.3"),
-            (530_502.175_543, "530502.2"),
-            (1.5e-9, "1.500000e-9"),
-            (1e300, "1.000000e300"),
-        ] {
-            assert_eq!(short(number), expected);
-        }
-    }
 }

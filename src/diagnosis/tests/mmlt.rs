@@ -27,11 +27,15 @@ pub fn mmlt_checks(seed: u64) -> Vec<Check> {
         renders: 8,
         passes: 2,
     };
-    let chains = MmltChains::new(&mut scene, own, seed, samples);
-    assert!(chains.has_residual());
+    let chains = MmltChains::new(&mut scene, own, seed, samples).expect("a residual");
     let found = equilibrium(&chains, &budget(seed, 1000, 15), &Unobserved);
     let found = found.expect("a scene with light");
-    eprintln!("{:?} {} {}", found.normalisation, found.starts.starts.len(), found.starts.clusters());
+    eprintln!(
+        "{:?} {} {}",
+        found.normalisation,
+        found.starts.starts.len(),
+        found.starts.clusters()
+    );
     found.checks
 }
 

@@ -1,13 +1,13 @@
 
 "use strict";
-// Two images of one size on top of each other, a divider between them, and what they show.
+// The viewer: two images of the same size on top of each other, with a divider between them.
 (() => {
   const element = (id) => document.getElementById(id);
   const data = JSON.parse(element("data").textContent);
   const view = element("view");
   const canvases = { left: element("left-canvas"), right: element("right-canvas") };
 
-  // The number that each half float stands for: sign, 5 bits of exponent, 10 of mantissa.
+  // The value of each half float: sign, 5 bits of exponent, 10 bits of mantissa.
   const HALF = new Float32Array(65536);
   for (let bits = 0; bits < 65536; bits++) {
     const exponent = (bits >> 10) & 31;
@@ -18,7 +18,7 @@
     else HALF[bits] = sign * (1024 + mantissa) * 2 ** (exponent - 25);
   }
 
-  // The bits of an image's half floats, decoded when it is first shown.
+  // The bits of an image's half floats, decoded on first use.
   const halves = (image) => {
     if (!image.bits) {
       const text = atob(image.pixels);
@@ -36,7 +36,7 @@
     Math.round(255 * Math.min(Math.max(v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055, 0), 1)) || 0;
 
   // The pixels of an image at an exposure.
-  const developed = (image, stops) => {
+  const exposed = (image, stops) => {
     const factor = image.unit * 2 ** stops;
     const bytes = new Uint8ClampedArray(65536);
     for (let bits = 0; bits < 65536; bits++) bytes[bits] = srgb(HALF[bits] * factor);
@@ -78,7 +78,7 @@
     return Math.sqrt(sum / 3);
   };
 
-  // The errors of an image in false colours; what is no number is grey.
+  // The errors of an image in false colours; NaN is grey.
   const map = (image, reference) => {
     const [low, high] = data.range;
     const last = data.colors.length - 1;
@@ -92,7 +92,7 @@
   const chosen = (id) => data.images[element(id).value];
   const sameSize = (a, b) => a.width === b.width && a.height === b.height;
 
-  // Draws both images anew.
+  // Redraws both images.
   const draw = () => {
     const reference = chosen("against");
     const stops = Number(element("exposure").value);
@@ -100,7 +100,7 @@
       const image = chosen(side);
       const canvas = canvases[side];
       [canvas.width, canvas.height] = [image.width, image.height];
-      canvas.getContext("2d").putImageData(reference ? map(image, reference) : developed(image, stops), 0, 0);
+      canvas.getContext("2d").putImageData(reference ? map(image, reference) : exposed(image, stops), 0, 0);
       element(side + "-name").textContent = image.name;
     }
     element("stops").textContent = `${stops > 0 ? "+" : ""}${stops} stop${Math.abs(stops) === 1 ? "" : "s"}`;
@@ -108,7 +108,7 @@
     element("scale").hidden = !reference;
   };
 
-  // Only images of the left one's size can be compared with it.
+  // Disables images of another size than the left one.
   const choose = () => {
     const left = chosen("left");
     for (const id of ["right", "against"]) {
@@ -122,22 +122,22 @@
     layout();
   };
 
-  // What is seen: pixels of the screen for each pixel of the image, as a multiple of what shows all,
-  // and the point of the image at the middle of the view.
+  // The visible part: the zoom relative to the scale that fits the whole image, and the point of the
+  // image at the centre of the view.
   const seen = { zoom: 1, x: 0.5, y: 0.5 };
-  const MOST_ZOOM = 64;
+  const MAX_ZOOM = 64;
 
   const fitting = (image) => Math.min(view.clientWidth / image.width, view.clientHeight / image.height);
 
   const place = () => {
     const image = chosen("left");
     const scale = fitting(image) * seen.zoom;
-    // No more than the edge of the image is at the middle.
+    // The centre of the view stays within the image.
     [seen.x, seen.y] = [seen.x, seen.y].map((v) => Math.min(Math.max(v, 0), 1));
     if (seen.zoom === 1) [seen.x, seen.y] = [0.5, 0.5];
     const x = view.clientWidth / 2 - seen.x * image.width * scale;
     const y = view.clientHeight / 2 - seen.y * image.height * scale;
-    // The divider stands still when the images move: it is a place of the view.
+    // The divider is fixed in the view and does not move with the images.
     const split = (element("split").value / 100) * view.clientWidth;
     for (const canvas of Object.values(canvases)) {
       canvas.style.transform = `translate(${x}px, ${y}px) scale(${scale})`;
@@ -154,12 +154,12 @@
     place();
   };
 
-  // Zooms by a factor; the point of the image at (x, y) of the view stays where it is.
+  // Zooms by a factor; the point of the image at (x, y) of the view is kept there.
   const zoom = (factor, x = view.clientWidth / 2, y = view.clientHeight / 2) => {
     const image = chosen("left");
     const before = place();
     const [u, v] = [(x - before.x) / before.scale, (y - before.y) / before.scale];
-    seen.zoom = Math.min(Math.max(seen.zoom * factor, 1), MOST_ZOOM);
+    seen.zoom = Math.min(Math.max(seen.zoom * factor, 1), MAX_ZOOM);
     const scale = fitting(image) * seen.zoom;
     seen.x = (u + (view.clientWidth / 2 - x) / scale) / image.width;
     seen.y = (v + (view.clientHeight / 2 - y) / scale) / image.height;
@@ -179,7 +179,8 @@
     return [event.clientX - box.left, event.clientY - box.top];
   };
 
-  // A drag near the divider moves it, and so does any drag while all is seen; others move the images.
+  // A drag near the divider moves it, as does any drag while the whole image is visible; other drags
+  // move the images.
   const GRASP = 14;
   let dragged = null;
   view.addEventListener("pointerdown", (event) => {
@@ -202,7 +203,7 @@
   });
   for (const end of ["pointerup", "pointercancel"]) view.addEventListener(end, () => (dragged = null));
 
-  // The values of the pixel that is pointed at.
+  // The values of the pixel under the pointer.
   const read = (event) => {
     const at = place();
     const [x, y] = inView(event);
@@ -223,7 +224,7 @@
   view.addEventListener(
     "wheel",
     (event) => {
-      // While all is seen, the wheel scrolls the page on.
+      // While the whole image is visible, the wheel scrolls the page.
       if (event.deltaY > 0 && seen.zoom === 1) return;
       event.preventDefault();
       zoom(2 ** (-event.deltaY / 300), ...inView(event));
@@ -251,7 +252,7 @@
   element("in").addEventListener("click", () => zoom(1.5));
   element("out").addEventListener("click", () => zoom(1 / 1.5));
   element("fit").addEventListener("click", () => zoom(0));
-  // One pixel of the image on one of the screen, if all of it is larger than the view.
+  // One pixel of the image per pixel of the screen, if the image is larger than the view.
   element("one").addEventListener("click", () => zoom(1 / place().scale / devicePixelRatio));
   element("split").addEventListener("input", place);
   element("exposure").addEventListener("input", draw);
@@ -259,7 +260,7 @@
   for (const id of ["right", "against"]) element(id).addEventListener("change", draw);
 
   element("colors").style.background = `linear-gradient(to right, ${data.colors.map((c) => `rgb(${c})`).join(", ")})`;
-  // What a browser kept of an earlier visit is forgotten: the first image and the next of its size.
+  // Resets form values that a browser restores: shows the first image and the next one of its size.
   element("left").value = "0";
   element("against").value = "";
   const next = data.images.findIndex((image, i) => i > 0 && sameSize(image, data.images[0]));

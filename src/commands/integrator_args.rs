@@ -1,0 +1,128 @@
+//! Options of the integrators: each applies to some of them only.
+
+use metrolight::markov::Perturbation;
+use metrolight::render::{Integrator, Method, MmltSettings, PssmltSettings};
+use miette::bail;
+
+use super::names::{DirectName, IntegratorName};
+use super::values;
+
+/// What a user may set of an integrator.
+#[derive(clap::Args)]
+pub struct IntegratorArgs {
+    #[arg(
+        long,
+        value_name = "P",
+        value_parser = values::probability,
+        help = large_step_help()
+    )]
+    large_step_probability: Option<f32>,
+
+    #[arg(long, value_name = "STEP", value_parser = values::small_step, help = small_step_help())]
+    small_step: Option<Perturbation>,
+
+    #[arg(long, value_name = "N", value_parser = values::chains, help = chains_help())]
+    pub chains: Option<u64>,
+
+    /// pssmlt: number of bootstrap samples
+    /// [default: as many as make the standard error of b small]
+    #[arg(long, value_name = "N", value_parser = values::positive)]
+    bootstrap: Option<u64>,
+
+    /// mmlt: how direct light is rendered: by independent samples only, or by both these and chains
+    #[arg(long, value_name = "MODE")]
+    direct: Option<DirectName>,
+
+    /// mmlt: distribute chains by brightness alone, instead of equally over bright and dark regions
+    #[arg(long)]
+    no_importance_map: bool,
+
+    /// mmlt: brightness above which chains render the rest of a path's contribution, relative to the
+    /// expected brightness at its pixel [default: the pilot decides]
+    #[arg(long, value_name = "T", value_parser = values::threshold)]
+    threshold: Option<f32>,
+}
+
+fn large_step_help() -> String {
+    let default = PssmltSettings::default().large_step_probability;
+    format!("pssmlt: probability of a large step, from 0 to 1 [default: {default}]")
+}
+
+fn small_step_help() -> String {
+    format!(
+        "pssmlt, mmlt: distribution of small steps: log:SHORTEST:LONGEST or gaussian:DEVIATION \
+         [default: {}, {}]",
+        PssmltSettings::default().small_step,
+        MmltSettings::default().small_step
+    )
+}
+
+fn chains_help() -> String {
+    let default = PssmltSettings::default().chains;
+    format!("pssmlt: number of Markov chains [default: {default}]")
+}
+
+impl IntegratorArgs {
+    /// The integrator `name` with these options; `None` for the name if a pilot is to choose, which any
+    /// option forbids.
+    pub fn integrator(&self, name: Option<IntegratorName>) -> miette::Result<Integrator> {
+        self.check(name)?;
+        Ok(match name.map(Method::from) {
+            Some(Method::Path) => Integrator::Path,
+            Some(Method::Light) => Integrator::Light,
+            Some(Method::Bdpt) => Integrator::Bdpt,
+            Some(Method::Pssmlt) => Integrator::Pssmlt(self.pssmlt()),
+            // Both integrators that a pilot chooses from have the settings of one.
+            Some(Method::Mmlt) | None => Integrator::Mmlt(self.mmlt()),
+        })
+    }
+
+    fn pssmlt(&self) -> PssmltSettings {
+        let defaults = PssmltSettings::default();
+        PssmltSettings {
+            large_step_probability: self
+                .large_step_probability
+                .unwrap_or(defaults.large_step_probability),
+            small_step: self.small_step.unwrap_or(defaults.small_step),
+            chains: self.chains.unwrap_or(defaults.chains),
+            bootstrap: self.bootstrap,
+        }
+    }
+
+    fn mmlt(&self) -> MmltSettings {
+        let defaults = MmltSettings::default();
+        MmltSettings {
+            small_step: self.small_step.unwrap_or(defaults.small_step),
+            separate_direct: self.direct != Some(DirectName::Joint),
+            importance_map: !self.no_importance_map,
+            threshold: self.threshold,
+            ..defaults
+        }
+    }
+
+    /// Checks that options of some integrators only are given with one of these.
+    fn check(&self, name: Option<IntegratorName>) -> miette::Result<()> {
+        let (pssmlt, mmlt) = (Method::Pssmlt, Method::Mmlt);
+        let large_step = self.large_step_probability.is_some();
+        let options = [
+            ("--large-step-probability", large_step, &[pssmlt][..]),
+            ("--small-step", self.small_step.is_some(), &[pssmlt, mmlt]),
+            ("--chains", self.chains.is_some(), &[pssmlt]),
+            ("--bootstrap", self.bootstrap.is_some(), &[pssmlt]),
+            ("--direct", self.direct.is_some(), &[mmlt]),
+            ("--no-importance-map", self.no_importance_map, &[mmlt]),
+            ("--threshold", self.threshold.is_some(), &[mmlt]),
+        ];
+        for (option, given, of) in options {
+            let names: Vec<&str> = of.iter().map(|method| method.name()).collect();
+            match name {
+                Some(name) if given && !of.contains(&name.into()) => {
+                    bail!("{option} applies to {}, not to {name}", names.join(" and "))
+                }
+                None if given => bail!("{option} needs --integrator {}", names.join(" or ")),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}

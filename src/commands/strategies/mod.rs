@@ -1,0 +1,242 @@
+//! `metrolight strategies`: an image for each technique (s, t) of bidirectional path tracing.
+
+mod shares;
+mod sheet;
+
+use std::path::{Path, PathBuf};
+
+use metrolight::film::{check_writable, write_exr};
+use metrolight::render::strategies::check;
+use metrolight::render::{Budget, Method, Settings, Strategies, strategies};
+use metrolight::technique::{Technique, TechniqueSet};
+use miette::{IntoDiagnostic, bail};
+use serde_json::{Value, json};
+
+use self::shares::{Kind, Shares, edges_text, percent};
+use self::sheet::{exposures, sheet};
+use super::numbers::{duration, quantity};
+use super::run_args::RunArgs;
+use super::source::SceneArgs;
+use super::values::MaxDepth;
+use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, wording};
+
+/// Render each technique (s, t) of bidirectional path tracing separately
+///
+/// A path of k edges has k + 1 = s + t vertices, s of them on the light subpath and t on the camera
+/// subpath. Writes two images for every (s, t) with t >= 1: unweighted, and weighted by the power
+/// heuristic. The sum of all weighted images is the image of `render --integrator bdpt` with the same
+/// seed and --spp. Two contact sheets show the techniques as in Veach (1997, figures 10.3 and 10.4).
+#[derive(clap::Args)]
+#[command(
+    mut_arg("max_depth", |arg| arg.help(depth_help())),
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  metrolight strategies scenes/bidir/scene.xml -o out        paths of up to 5 edges
+  metrolight strategies scene.xml --size 160x120 --max-depth 7 --spp 128 -o out
+
+Files in DIR: unweighted.png and weighted.png (contact sheets), strategies.json (means and shares), and
+linear images unweighted_sS_tT.exr and weighted_sS_tT.exr.
+
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the images so far are written)"
+)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Directory for the images; made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 32)]
+    spp: u64,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// Exposure of both sheets in stops
+    /// [default: for each row the whole number of stops that suits its sum]
+    #[arg(long, value_name = "STOPS", value_parser = values::stops)]
+    exposure: Option<f64>,
+
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Default maximum number of edges: 19 techniques, which fit on a sheet.
+const DEFAULT_EDGES: u32 = 5;
+
+const JSON: &str = "strategies.json";
+
+fn depth_help() -> String {
+    format!(
+        "Maximum number of edges of a path: 1 shows emitters only, 2 adds direct light \
+         [default: {DEFAULT_EDGES}]"
+    )
+}
+
+/// Loads the scene, renders the techniques, writes the images and prints a summary.
+pub fn run(mut args: Args) -> miette::Result<Outcome> {
+    let limit = args
+        .scene
+        .max_depth
+        .get_or_insert(MaxDepth(Some(DEFAULT_EDGES)));
+    if limit.0.is_none() {
+        bail!(
+            "--max-depth -1: each path length has its own techniques, so a limit is needed, such as 5"
+        );
+    }
+    let opened = args.scene.open()?;
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(args.spp),
+        seed: args.seed,
+        threads: args.run.threads,
+        ..Settings::new(Method::Bdpt)
+    };
+    let edges = check(&opened.scene).into_diagnostic()?;
+    prepare(&args.output, edges)?;
+    interrupt::listen()?;
+    let mut warnings = opened.warnings.clone();
+    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional));
+    warn(&warnings);
+    if !args.run.quiet {
+        eprint(opened.times());
+    }
+
+    let progress = args.run.progress();
+    let rendering = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
+    progress.finish();
+    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
+    warn(&limits);
+    warnings.extend(limits);
+    replay::print_commands(&args.scene, &settings, &rendering.statistics);
+    if rendering.interrupted && rendering.statistics.samples == 0 {
+        eprint("interrupted before the first sample: nothing is written");
+        return Ok(Outcome::Interrupted);
+    }
+
+    let shares = Shares::of(&rendering);
+    write(&args, edges, &rendering, &shares, &warnings)?;
+    if !args.run.quiet {
+        print(summary(&args, &rendering, &shares));
+    }
+    if rendering.interrupted {
+        eprint("interrupted: the images hold the samples taken so far");
+        return Ok(Outcome::Interrupted);
+    }
+    Ok(Outcome::Done)
+}
+
+/// Makes the directory and checks that all files can be written.
+fn prepare(directory: &Path, edges: u32) -> miette::Result<()> {
+    output::make_directory(directory)?;
+    for kind in Kind::ALL {
+        check_writable(&directory.join(kind.sheet())).into_diagnostic()?;
+        for technique in Technique::all(edges as usize) {
+            check_writable(&directory.join(kind.exr(technique))).into_diagnostic()?;
+        }
+    }
+    check_writable(&directory.join(JSON)).into_diagnostic()
+}
+
+/// Writes the images, the contact sheets and the JSON file.
+fn write(
+    args: &Args,
+    edges: u32,
+    rendering: &Strategies,
+    shares: &Shares,
+    warnings: &[String],
+) -> miette::Result<()> {
+    let mut report = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.path,
+        "defines": args.scene.defines.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+        "max_depth": edges,
+        "samples_per_pixel": args.spp,
+        "statistics": rendering.statistics,
+        "interrupted": rendering.interrupted,
+        "warnings": warnings,
+    });
+    for images in &rendering.images {
+        for kind in Kind::ALL {
+            let (s, t) = (images.technique.s(), images.technique.t());
+            let mut attributes = output::attributes(&report);
+            let technique = json!({ "s": s, "t": t, "image": kind.name() });
+            let technique = json!({ "technique": technique });
+            attributes.extend(output::attributes(&technique));
+            let path = args.output.join(kind.exr(images.technique));
+            write_exr(&path, kind.of(images), &[], &attributes).into_diagnostic()?;
+        }
+    }
+    let exposures = match args.exposure {
+        Some(stops) => vec![stops; edges as usize],
+        None => exposures(edges, rendering, shares),
+    };
+    let note = format!(
+        "{}, {} samples per pixel, seed {}; s light vertices, t camera vertices",
+        args.scene.name()?,
+        args.spp,
+        args.seed
+    );
+    for kind in Kind::ALL {
+        let png = sheet(kind, rendering, shares, &exposures, &note)?;
+        output::write_bytes(&args.output.join(kind.sheet()), &png)?;
+    }
+    report["mean_luminance"] = json!(shares.total);
+    report["exposures"] = json!(exposures);
+    report["techniques"] = table(rendering, shares);
+    output::write_json(&args.output.join(JSON), &report)
+}
+
+fn table(rendering: &Strategies, shares: &Shares) -> Value {
+    let rows = rendering.images.iter().enumerate();
+    rows.map(|(i, images)| {
+        let technique = images.technique;
+        json!({
+            "s": technique.s(),
+            "t": technique.t(),
+            "edges": technique.edges(),
+            "mean_luminance_unweighted": shares.means[i][0],
+            "mean_luminance_weighted": shares.means[i][1],
+            "share": shares.share(i),
+            "unweighted": Kind::Unweighted.exr(technique),
+            "weighted": Kind::Weighted.exr(technique),
+        })
+    })
+    .collect()
+}
+
+/// The files written, and the share of each technique in the light of the image.
+fn summary(args: &Args, rendering: &Strategies, shares: &Shares) -> String {
+    let statistics = &rendering.statistics;
+    let [width, height] = statistics.size;
+    let directory = args.output.display();
+    let mut lines = vec![
+        format!(
+            "wrote {directory}/weighted.png, unweighted.png, {JSON} and {} images: {width} x {height} \
+             pixels, {} samples in {}",
+            2 * rendering.images.len(),
+            quantity(statistics.samples as f64),
+            duration(statistics.render_seconds),
+        ),
+        "share of the image's light by technique (s,t):".into(),
+    ];
+    let edges = rendering
+        .images
+        .iter()
+        .map(|images| images.technique.edges());
+    for k in 1..=edges.max().unwrap_or(0) {
+        let images = rendering.images.iter().enumerate();
+        let images = images.filter(|(_, images)| images.technique.edges() == k);
+        let cells = images.map(|(i, images)| {
+            let (s, t) = (images.technique.s(), images.technique.t());
+            let share = shares.share(i).map_or("-".into(), percent);
+            format!("({s},{t}) {share:>5}")
+        });
+        let cells: Vec<String> = cells.collect();
+        lines.push(format!("  {:<8} {}", edges_text(k), cells.join("   ")));
+    }
+    lines.join("\n")
+}

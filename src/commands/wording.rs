@@ -1,0 +1,120 @@
+//! The sentences in which the user reads warnings and choices of the library, and the flags that help.
+
+use metrolight::analysis::lost_light::PROBES;
+use metrolight::analysis::trapped_light::BOUNCES;
+use metrolight::analysis::{Loss, LostLight, TrappedLight};
+use metrolight::render::{Choice, ChoiceReason, Warning};
+use metrolight::technique::TechniqueSet;
+
+/// What limits an image.
+pub fn warning(warning: &Warning) -> String {
+    match *warning {
+        Warning::NonFinite { count } => {
+            format!("{count} contributions were NaN, infinite or negative and have been left out")
+        }
+        Warning::Unsampled { done, pixels } => format!(
+            "only {done} of {pixels} pixels have been sampled: the others are black. Render for longer"
+        ),
+        Warning::ErrorUnknown => {
+            "the error of the image is not known: at least two samples per pixel, or two chains, \
+             are needed"
+                .into()
+        }
+        Warning::TargetNotReached { estimate, target } => format!(
+            "the relMSE is about {estimate:.2e}, and not yet {target:.2e}: render for longer"
+        ),
+        Warning::RareContributions { share } => format!(
+            "errors are probably larger than estimated: in {:.0}% of the pixels nearly all variance \
+             comes from one part of the samples, so some rare light has probably not been found. \
+             Render for longer",
+            100.0 * share
+        ),
+        Warning::NoMutations => "no mutation was made: the image is black".into(),
+        Warning::StuckChains { stuck, chains } => format!(
+            "{stuck} of {chains} chains have been in one state for more than half of their \
+             mutations: they show single paths, perhaps as bright spots"
+        ),
+        Warning::NoLightInBootstrap { samples } => format!(
+            "none of {samples} bootstrap samples found light: the image is black. Unless the scene \
+             is meant to be black, take more samples with --bootstrap"
+        ),
+        Warning::NormalisationUnknown => {
+            "b is not known, and neither is the brightness of the image: take more samples with \
+             --bootstrap"
+                .into()
+        }
+        Warning::NormalisationUncertain { relative_error } => format!(
+            "b is known to {:.1}% only (one standard error), and so is the brightness of the \
+             image: render for longer, or take more samples with --bootstrap",
+            100.0 * relative_error
+        ),
+        Warning::Black => "the image is black: no path has found light".into(),
+    }
+}
+
+/// Where an image is too dark, or may be.
+pub fn lost_light(lost: &LostLight) -> String {
+    let emitter = &lost.emitter;
+    let surfaces = match &lost.surfaces[..] {
+        [] => "nothing is".into(),
+        [one] => format!("{one} is"),
+        [one, two] => format!("{one} and {two} are"),
+        [one, more @ ..] => format!("{one} and {} more shapes are", more.len()),
+    };
+    match (lost.techniques, lost.loss) {
+        (TechniqueSet::Bidirectional, Loss::Always) => format!(
+            "lost light: {surfaces} lit by {emitter} through smooth glass or mirrors and seen \
+             through smooth glass or mirrors. No integrator here finds that light, so the image is \
+             too dark there. Use a small area light, or make the glass or mirrors a little rough"
+        ),
+        (TechniqueSet::Path, Loss::Always) => format!(
+            "lost light: {surfaces} lit by {emitter} through smooth glass or mirrors, which path \
+             tracing cannot find. Use bdpt, pssmlt or mmlt, which find it where it is seen directly"
+        ),
+        (TechniqueSet::Light, _) => format!(
+            "lost light: {surfaces} seen through smooth glass or mirrors, where light tracing finds \
+             nothing. Use another integrator"
+        ),
+        (TechniqueSet::Bidirectional, Loss::Nearly) => format!(
+            "rare light: {surfaces} lit by {emitter} through smooth glass or mirrors and seen \
+             through smooth glass or mirrors. Only paths that hit the emitter by chance find that \
+             light, and none of {PROBES} did. Expect bright dots, or darkness in their place. Use a \
+             larger emitter, or make the glass or mirrors a little rough"
+        ),
+        (TechniqueSet::Path, Loss::Nearly) => format!(
+            "rare light: {surfaces} lit by {emitter} through smooth glass or mirrors. Path tracing \
+             finds that light only by hitting the emitter, and none of {PROBES} paths did. Use \
+             bdpt, pssmlt or mmlt, which find it where it is seen directly"
+        ),
+    }
+}
+
+/// Why a scene has no finite brightness, or nearly none.
+pub fn trapped_light(trapped: &TrappedLight) -> String {
+    format!(
+        "trapped light: {:.0}% of the light is left after {BOUNCES} bounces, because the scene is \
+         closed and absorbs almost nothing. Without a limit on path length its brightness is \
+         infinite or too large to be computed. Set a limit with --max-depth, or give surfaces an \
+         albedo below 1",
+        100.0 * trapped.share
+    )
+}
+
+/// Which integrator was chosen, and why.
+pub fn choice(choice: &Choice) -> String {
+    let reason = match choice.reason() {
+        ChoiceReason::Gain(gain) => {
+            format!("chains should leave 1/{gain:.3} of bdpt's error in the same time")
+        }
+        ChoiceReason::RareLight => {
+            "only rare and bright paths find some of the light, which bdpt shows as dots".into()
+        }
+        ChoiceReason::NoBrightPaths => "no path is bright enough for chains to help".into(),
+    };
+    format!(
+        "{} is chosen: {reason} (a pilot of {} samples, {:.1} s; --integrator overrules it)",
+        choice.integrator.method().name(),
+        choice.samples,
+        choice.seconds
+    )
+}
