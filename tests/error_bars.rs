@@ -7,8 +7,11 @@
 mod common;
 
 use common::figures::{Accuracy, Stability, record};
+use common::renders::renderings;
 use metrolight::metrics::relative_mse;
-use metrolight::render::{Budget, ErrorEstimate, Integrator, Settings, Unobserved, render};
+use metrolight::render::{
+    Budget, ErrorEstimate, Integrator, Rendering, Settings, Unobserved, render,
+};
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -20,14 +23,12 @@ const TOLD: f64 = 0.05;
 
 /// Images with their error estimates, over seeds.
 fn renders(scene: &Scene, settings: &Settings) -> Vec<(Vec<[f32; 3]>, ErrorEstimate)> {
-    (0..SEEDS)
-        .map(|seed| {
-            let settings = Settings {
-                seed,
-                error: true,
-                ..settings.clone()
-            };
-            let rendering = render(scene, &settings, &Unobserved).expect("threads");
+    let settings = Settings {
+        error: true,
+        ..settings.clone()
+    };
+    renderings(scene, &settings, 0..SEEDS)
+        .map(|rendering| {
             let error = rendering.error.expect("more than one part");
             (rendering.image.pixels, error)
         })
@@ -38,18 +39,14 @@ fn renders(scene: &Scene, settings: &Settings) -> Vec<(Vec<[f32; 3]>, ErrorEstim
 fn reference(scene: &Scene, settings: &Settings) -> Vec<[f32; 3]> {
     const RENDERS: u64 = 8;
     let mut sums = vec![[0.0; 3]; (scene.film.width * scene.film.height) as usize];
-    for seed in 1000..1000 + RENDERS {
-        let Budget::SamplesPerPixel(spp) = settings.budget else {
-            unreachable!("budgets here are numbers of samples");
-        };
-        let settings = Settings {
-            seed,
-            budget: Budget::SamplesPerPixel(8 * spp),
-            ..settings.clone()
-        };
-        let image = render(scene, &settings, &Unobserved)
-            .expect("threads")
-            .image;
+    let Budget::SamplesPerPixel(spp) = settings.budget else {
+        unreachable!("budgets here are numbers of samples");
+    };
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(8 * spp),
+        ..settings.clone()
+    };
+    for Rendering { image, .. } in renderings(scene, &settings, 1000..1000 + RENDERS) {
         for (sum, pixel) in sums.iter_mut().zip(&image.pixels) {
             for c in 0..3 {
                 sum[c] += f64::from(pixel[c]);

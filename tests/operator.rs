@@ -22,9 +22,11 @@ mod room;
 mod views;
 
 use common::figures::{Accuracy, record};
+use common::renders::renderings;
+use common::truths::p_value;
 use glam::DVec3;
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
-use metrolight::statistics::{Moments, holm, welch};
+use metrolight::render::{Budget, Integrator, Rendering, Settings};
+use metrolight::statistics::{Moments, holm};
 use room::{Color, Solution};
 use views::{View, views};
 
@@ -93,9 +95,7 @@ impl Comparison {
         if self.truth < DARK {
             return if self.found.mean == 0.0 { 1.0 } else { 0.0 };
         }
-        let off = (self.found.mean / self.truth - 1.0).clamp(-self.slack, self.slack);
-        let exact = Moments::from_summary(self.found.count, self.truth * (1.0 + off), 0.0);
-        welch(&self.found, &exact)
+        p_value(&self.found, self.truth, self.slack)
     }
 
     fn relative_error(&self) -> f64 {
@@ -116,17 +116,13 @@ fn compare(
     let truth: Vec<f64> = truth.iter().flat_map(|color| color.to_array()).collect();
     let mut tiles = vec![Moments::default(); truth.len()];
     let mut whole = Moments::default();
-    for seed in 0..SEEDS {
-        let settings = Settings {
-            budget: Budget::SamplesPerPixel(spp),
-            seed,
-            chains: 16,
-            bootstrap: Some(2_000),
-            ..Settings::new(integrator)
-        };
-        let image = render(&scene, &settings, &Unobserved)
-            .expect("threads")
-            .image;
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(spp),
+        chains: 16,
+        bootstrap: Some(2_000),
+        ..Settings::new(integrator)
+    };
+    for Rendering { image, .. } in renderings(&scene, &settings, 0..SEEDS) {
         let values: Vec<f64> = image
             .pixels
             .iter()

@@ -6,9 +6,11 @@
 
 mod common;
 
-use common::compare::{assert_mean, assert_same_image, mean, means, rendering, tiles};
 use common::figures::{Accuracy, Stability, record};
-use common::worlds::{World, shine};
+use common::renders::{mean, means, rendering};
+use common::scenes::{SceneBuilder, shine};
+use common::tiles::{assert_same_image, tiles};
+use common::truths::assert_mean;
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::render::Integrator;
@@ -60,21 +62,21 @@ fn ball(n: u32) -> TriangleMesh {
 
 /// A closed room, in it a lamp, a ball of glass whose caustic falls on the floor, a
 /// smooth mesh and a crate that stands exactly on the floor.
-fn room() -> World {
+fn room() -> SceneBuilder {
     let (from, to) = (DVec3::new(0.0, 1.2, 1.9), DVec3::new(0.0, 0.5, 0.0));
-    let mut world = World::seen(from, to, 55.0, [24, 18]).depth(5);
-    let (white, grey) = (world.diffuse_sheet(0.6), world.diffuse_sheet(0.3));
-    let glass = world.glass(1.5);
-    world.cube(DVec3::Y, DVec3::new(2.0, 1.0, 2.0), white);
-    world.cube(DVec3::new(0.9, 0.3, -0.7), DVec3::splat(0.3), grey);
-    world.sphere(DVec3::new(-0.3, 0.55, 0.1), 0.4, glass);
+    let mut builder = SceneBuilder::seen(from, to, 55.0, [24, 18]).depth(5);
+    let (white, grey) = (builder.diffuse_sheet(0.6), builder.diffuse_sheet(0.3));
+    let glass = builder.glass(1.5);
+    builder.cube(DVec3::Y, DVec3::new(2.0, 1.0, 2.0), white);
+    builder.cube(DVec3::new(0.9, 0.3, -0.7), DVec3::splat(0.3), grey);
+    builder.sphere(DVec3::new(-0.3, 0.55, 0.1), 0.4, glass);
     let mut mesh = ball(6);
     let to_world = DMat4::from_translation(DVec3::new(-1.2, 0.5, -0.9))
         * DMat4::from_scale(DVec3::splat(0.45));
     mesh.compute_vertex_normals(&to_world);
-    world.mesh(mesh, to_world, grey);
-    shine(world.ceiling(DVec3::new(-0.2, 1.9, 0.1), 0.35, grey), 5.0);
-    world
+    builder.mesh(mesh, to_world, grey);
+    shine(builder.ceiling(DVec3::new(-0.2, 1.9, 0.1), 0.35, grey), 5.0);
+    builder
 }
 
 /// Null hypothesis, per tile: a room as it is, a thousandth and a thousand times its size, and moved by
@@ -82,7 +84,8 @@ fn room() -> World {
 #[test]
 fn neither_size_nor_place_shows() {
     for (integrator, spp) in [(Path, 64), (Light, 64), (Bdpt, 24), (Pssmlt, 48)] {
-        let seen = |world: World, group| tiles(&world.build(), integrator, spp, (group, 8), 6);
+        let seen =
+            |builder: SceneBuilder, group| tiles(&builder.build(), integrator, spp, (group, 8), 6);
         let here = seen(room(), 1);
         let mut smallest: f64 = 1.0;
         let mut means = Vec::new();
@@ -123,10 +126,10 @@ fn closed_rooms_stay_dark() {
         ("as it is", 1.0, DVec3::ZERO),
         ("far away", 1.0, DVec3::splat(1e6)),
     ] {
-        let mut world = room();
-        world.0.shapes.pop();
-        world.sky(1.0);
-        let scene = world.placed(scale, offset).build();
+        let mut builder = room();
+        builder.shapes.pop();
+        builder.sky(1.0);
+        let scene = builder.placed(scale, offset).build();
         for integrator in Integrator::ALL {
             let found = mean(&rendering(&scene, integrator, 200, 1));
             println!("{name}, {}: {found:e}", integrator.name());
@@ -150,17 +153,17 @@ fn grazing_light() {
         for (turn, rounding) in [(DMat4::IDENTITY, 1e-5), (turn, 1e-5 + 3e-7 / slope)] {
             let place = |p: DVec3| turn.transform_point3(p);
             let (from, to) = (DVec3::Y * 3.0, DVec3::ZERO);
-            let mut world = World::seen(place(from), place(to), 20.0, [6, 4]).depth(2);
-            let white = world.diffuse(rho as f32);
-            world.floor(DVec3::ZERO, 2.0, white).to_world = turn
+            let mut builder = SceneBuilder::seen(place(from), place(to), 20.0, [6, 4]).depth(2);
+            let white = builder.diffuse(rho as f32);
+            builder.floor(DVec3::ZERO, 2.0, white).to_world = turn
                 * DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2)
                 * DMat4::from_scale(DVec3::splat(2.0));
             let direction = turn.transform_vector3(DVec3::new(1.0, -slope, 0.2));
-            world.0.emitters.push(EmitterDescription::Directional {
+            builder.emitters.push(EmitterDescription::Directional {
                 direction,
                 irradiance: Rgb::splat(1.0),
             });
-            let scene = world.build();
+            let scene = builder.build();
             let cos = slope / DVec3::new(1.0, slope, 0.2).length();
             let truth = rho / std::f64::consts::PI * cos;
             for integrator in [Path, Bdpt] {
@@ -200,12 +203,12 @@ fn grazing_light() {
 fn a_low_lamp() {
     let (rho, r) = (0.5, 0.01);
     for height in [1.0, 0.1, 0.0101] {
-        let mut world = World::seen(DVec3::Y * 2.0, DVec3::ZERO, 0.2, [4, 3]).depth(2);
-        let (white, black) = (world.diffuse(rho), world.diffuse(0.0));
-        world.floor(DVec3::ZERO, 2.0, white);
+        let mut builder = SceneBuilder::seen(DVec3::Y * 2.0, DVec3::ZERO, 0.2, [4, 3]).depth(2);
+        let (white, black) = (builder.diffuse(rho), builder.diffuse(0.0));
+        builder.floor(DVec3::ZERO, 2.0, white);
         let center = DVec3::new(1.0, height, 0.0);
-        shine(world.sphere(center, r, black), 1e4);
-        let scene = world.build();
+        shine(builder.sphere(center, r, black), 1e4);
+        let scene = builder.build();
         let cos = height / center.length();
         let truth = f64::from(rho) * 1e4 * r * r / center.length_squared() * cos;
         for (integrator, spp) in [(Path, 1000), (Bdpt, 500), (Pssmlt, 500)] {
@@ -223,13 +226,13 @@ fn a_low_lamp() {
 fn grazing_views() {
     for (height, slope, near) in [(1e-1, 0.1, 1e-3), (1e-3, 1e-2, 1e-4), (1e-4, 1e-3, 1e-4)] {
         let from = DVec3::Y * height;
-        let mut world =
-            World::seen(from, from + DVec3::new(1.0, -slope, 0.0), 0.02, [6, 4]).depth(2);
-        let white = world.diffuse(0.5);
-        world.floor(DVec3::ZERO, 2.0, white);
-        world.sky(1.0);
-        world.0.camera.near_clip = near;
-        let scene = world.build();
+        let mut builder =
+            SceneBuilder::seen(from, from + DVec3::new(1.0, -slope, 0.0), 0.02, [6, 4]).depth(2);
+        let white = builder.diffuse(0.5);
+        builder.floor(DVec3::ZERO, 2.0, white);
+        builder.sky(1.0);
+        builder.near_clip = near;
+        let scene = builder.build();
         // No light subpath from the sky is likely to meet what is seen.
         for integrator in [Path, Bdpt, Pssmlt] {
             let name = format!("height {height}, slope {slope}, {}", integrator.name());
@@ -251,8 +254,8 @@ fn coincident_faces_of_one_material() {
     let tilt = DMat4::from_rotation_z(0.4) * DMat4::from_rotation_x(0.3);
     let place = |p: DVec3| tilt.transform_point3(p);
     let (from, to) = (DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO);
-    let mut world = World::seen(place(from), place(to), 40.0, [12, 9]).depth(2);
-    let white = world.diffuse_sheet(0.5);
+    let mut builder = SceneBuilder::seen(place(from), place(to), 40.0, [12, 9]).depth(2);
+    let white = builder.diffuse_sheet(0.5);
     for (move_by, turn) in [(0.0, 0.0), (0.0, 0.5), (0.4, 0.5), (0.123, 0.0)] {
         let flat = DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2);
         let to_world = tilt
@@ -260,10 +263,10 @@ fn coincident_faces_of_one_material() {
             * DMat4::from_rotation_y(turn * std::f64::consts::PI)
             * flat
             * DMat4::from_scale(DVec3::splat(2.0));
-        world.mesh(TriangleMesh::rectangle(), to_world, white);
+        builder.mesh(TriangleMesh::rectangle(), to_world, white);
     }
-    world.sky(1.0);
-    let scene = world.build();
+    builder.sky(1.0);
+    let scene = builder.build();
     for (integrator, spp) in [(Path, 256), (Light, 256), (Bdpt, 64), (Pssmlt, 128)] {
         let moments = means(&scene, integrator, spp, 8);
         assert_mean(integrator.name(), &moments, 0.5, 1e-5, ALPHA);
@@ -275,15 +278,15 @@ fn coincident_faces_of_one_material() {
 #[test]
 fn a_white_furnace_of_things_that_touch() {
     let (from, to) = (DVec3::new(0.3, 1.0, 2.5), DVec3::new(0.0, 0.2, 0.0));
-    let mut world = World::seen(from, to, 45.0, [12, 9]);
-    let white = world.diffuse_sheet(1.0);
-    let glass = world.glass(1.5);
-    world.floor(DVec3::ZERO, 2.0, white);
-    world.sphere(DVec3::new(-0.5, 0.4, 0.0), 0.4, glass);
-    world.cube(DVec3::new(0.5, 0.25, 0.0), DVec3::splat(0.25), white);
-    world.sphere(DVec3::new(0.5, 0.0, 0.65), 0.4, white);
-    world.sky(1.0);
-    let scene = world.build();
+    let mut builder = SceneBuilder::seen(from, to, 45.0, [12, 9]);
+    let white = builder.diffuse_sheet(1.0);
+    let glass = builder.glass(1.5);
+    builder.floor(DVec3::ZERO, 2.0, white);
+    builder.sphere(DVec3::new(-0.5, 0.4, 0.0), 0.4, glass);
+    builder.cube(DVec3::new(0.5, 0.25, 0.0), DVec3::splat(0.25), white);
+    builder.sphere(DVec3::new(0.5, 0.0, 0.65), 0.4, white);
+    builder.sky(1.0);
+    let scene = builder.build();
     for (integrator, spp) in [(Path, 256), (Bdpt, 64), (Pssmlt, 128)] {
         let moments = means(&scene, integrator, spp, 8);
         println!(
@@ -298,24 +301,24 @@ fn a_white_furnace_of_things_that_touch() {
 
 /// A block of water under a sky, in it a ball of air, and in that, `gap` from its surface, one of glass.
 fn ball_in_cavity(gap: f64) -> Scene {
-    let mut world = World::seen(DVec3::new(0.3, 1.0, 4.5), DVec3::ZERO, 25.0, [12, 9]);
-    let [water, cavity, glass] = [1.33, 1.0 / 1.33, 1.5].map(|eta| world.glass(eta));
-    world.cube(DVec3::ZERO, DVec3::ONE, water);
-    world.sphere(DVec3::ZERO, 0.5 + gap, cavity);
-    world.sphere(DVec3::ZERO, 0.5, glass);
-    world.sky(1.0);
-    world.build()
+    let mut builder = SceneBuilder::seen(DVec3::new(0.3, 1.0, 4.5), DVec3::ZERO, 25.0, [12, 9]);
+    let [water, cavity, glass] = [1.33, 1.0 / 1.33, 1.5].map(|eta| builder.glass(eta));
+    builder.cube(DVec3::ZERO, DVec3::ONE, water);
+    builder.sphere(DVec3::ZERO, 0.5 + gap, cavity);
+    builder.sphere(DVec3::ZERO, 0.5, glass);
+    builder.sky(1.0);
+    builder.build()
 }
 
 /// A block of glass over a floor of albedo 1/2.
 fn block_on_floor(gap: f64) -> Scene {
     let (from, to) = (DVec3::new(0.3, 2.0, 4.5), DVec3::Y * 0.5);
-    let mut world = World::seen(from, to, 25.0, [12, 9]);
-    let (white, glass) = (world.diffuse(0.5), world.glass(1.5));
-    world.floor(DVec3::ZERO, 3.0, white);
-    world.cube(DVec3::Y * (0.5 + gap), DVec3::splat(0.5), glass);
-    world.sky(1.0);
-    world.build()
+    let mut builder = SceneBuilder::seen(from, to, 25.0, [12, 9]);
+    let (white, glass) = (builder.diffuse(0.5), builder.glass(1.5));
+    builder.floor(DVec3::ZERO, 3.0, white);
+    builder.cube(DVec3::Y * (0.5 + gap), DVec3::splat(0.5), glass);
+    builder.sky(1.0);
+    builder.build()
 }
 
 /// Glass beside water, and glass on a floor, with a gap. A ray starts 5e-7 to 1.5e-5 of the scene's radius
@@ -364,9 +367,9 @@ fn narrow_gaps() {
 fn triangles_without_area() {
     let scene = |points: usize, slivers: usize, flat: bool| {
         let (from, to) = (DVec3::new(0.0, 0.6, 3.0), DVec3::ZERO);
-        let mut world = World::seen(from, to, 40.0, [16, 12]).depth(4);
-        let white = world.diffuse_sheet(0.7);
-        world.floor(DVec3::NEG_Y, 3.0, white);
+        let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(4);
+        let white = builder.diffuse_sheet(0.7);
+        builder.floor(DVec3::NEG_Y, 3.0, white);
         for (place, size, radiance) in [
             (DVec3::ZERO, 0.6, 0.0),
             (DVec3::new(0.5, 1.5, 0.5), 0.3, 5.0),
@@ -393,12 +396,12 @@ fn triangles_without_area() {
             if !flat {
                 mesh.compute_vertex_normals(&to_world);
             }
-            let shape = world.mesh(mesh, to_world, white);
+            let shape = builder.mesh(mesh, to_world, white);
             if radiance > 0.0 {
                 shine(shape, radiance);
             }
         }
-        world.build()
+        builder.build()
     };
     for flat in [true, false] {
         let (plain, with_points, with_slivers) =

@@ -7,8 +7,8 @@ use metrolight::math::Rgb;
 use metrolight::render::Integrator::{self, Bdpt, Light, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
 
+use crate::common::scenes::{SceneBuilder, grey, sphere};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, grey, sphere};
 
 /// Textures of [`enclosure`].
 const WALL: u32 = 0;
@@ -54,14 +54,14 @@ fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
             ..sphere(DVec3::new(0.3, -0.2, 0.9), 0.7)
         });
     }
-    Words {
+    SceneBuilder {
         materials,
         textures: vec![grey(rho), grey(1.0)],
         shapes,
         depth,
         fov_x,
         camera: DMat4::from_translation(DVec3::new(0.3, -0.2, -1.0)),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }
@@ -147,7 +147,7 @@ fn lossless_contents() {
 fn lossless_balls_under_an_even_sky() {
     let mut truths = Truths::default();
     for (name, ball) in lossless() {
-        let scene = Words {
+        let scene = SceneBuilder {
             materials: vec![ball],
             textures: vec![grey(1.0), grey(1.0)],
             shapes: vec![sphere(DVec3::ZERO, 1.0)],
@@ -156,7 +156,7 @@ fn lossless_balls_under_an_even_sky() {
             }],
             fov_x: 40.0,
             camera: DMat4::from_translation(DVec3::new(0.0, 0.0, -4.0)),
-            ..Words::default()
+            ..SceneBuilder::default()
         }
         .build();
         truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, 0.8);

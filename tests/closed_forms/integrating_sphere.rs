@@ -12,14 +12,14 @@ use metrolight::render::Integrator::{self, Bdpt, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription, Texture};
 use metrolight::statistics::Moments;
 
+use crate::common::scenes::{SceneBuilder, grey, look_at, sphere};
 use crate::common::truths::{Truths, images};
-use crate::common::words::{Words, grey, look_at, sphere};
 
 const RADIUS: f64 = 2.0;
 const INTENSITY: f64 = 5.0;
 
-fn scene(words: Words, lamp: DVec3, intensity: Rgb) -> Scene {
-    Words {
+fn scene(builder: SceneBuilder, lamp: DVec3, intensity: Rgb) -> Scene {
+    SceneBuilder {
         materials: vec![Material::Diffuse { reflectance: 0 }],
         shapes: vec![ShapeDescription {
             flip_normals: true,
@@ -29,7 +29,7 @@ fn scene(words: Words, lamp: DVec3, intensity: Rgb) -> Scene {
             position: lamp,
             intensity,
         }],
-        ..words
+        ..builder
     }
     .build()
 }
@@ -55,19 +55,19 @@ fn direct_and_reflected_light() {
         (0.8, None),
         (0.9, None),
     ] {
-        let words = Words {
+        let builder = SceneBuilder {
             textures: vec![grey(rho)],
             depth,
             fov_x: 0.05,
             camera: look_at(DVec3::new(-1.0, 0.2, 0.3), target, DVec3::Z),
-            ..Words::default()
+            ..SceneBuilder::default()
         };
         let to_lamp = lamp - target;
         let cos = to_lamp.normalize().dot(-target.normalize());
         let direct = INTENSITY * cos / to_lamp.length_squared();
         let truth = rho / PI * (direct + reflected_irradiance(INTENSITY, rho, depth));
         let name = format!("rho {rho}, depth {depth:?}");
-        let scene = scene(words, lamp, Rgb::splat(INTENSITY as f32));
+        let scene = scene(builder, lamp, Rgb::splat(INTENSITY as f32));
         truths.render(&name, &scene, &[Path, Bdpt, Pssmlt], 20, truth);
     }
     truths.settle(
@@ -82,13 +82,13 @@ fn direct_and_reflected_light() {
 fn brightness_of_a_known_image() {
     let rho = [0.3_f32, 0.6, 0.9];
     let intensity = [4.0_f32, 2.0, 1.0];
-    let words = Words {
+    let builder = SceneBuilder {
         textures: vec![Texture::Constant(Rgb::from(rho))],
         fov_x: 80.0,
         camera: look_at(DVec3::new(-1.0, 0.2, 0.3), DVec3::X, DVec3::Z),
-        ..Words::default()
+        ..SceneBuilder::default()
     };
-    let scene = scene(words, DVec3::ZERO, Rgb::from(intensity));
+    let scene = scene(builder, DVec3::ZERO, Rgb::from(intensity));
     let radiance: [f64; 3] = std::array::from_fn(|c| {
         let (rho, intensity) = (f64::from(rho[c]), f64::from(intensity[c]));
         let direct = intensity / (RADIUS * RADIUS);

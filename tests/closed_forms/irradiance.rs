@@ -7,8 +7,8 @@ use metrolight::math::Rgb;
 use metrolight::render::Integrator::{self, Bdpt, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
 
+use crate::common::scenes::{SceneBuilder, floor, grey, look_at, parallelogram, sphere};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, floor, grey, look_at, parallelogram, sphere};
 
 const METHODS: [Integrator; 3] = [Path, Bdpt, Pssmlt];
 const RHO: f64 = 0.6;
@@ -23,7 +23,7 @@ fn floor_under(
 ) -> Scene {
     let mut all = vec![floor(10.0)];
     all.extend(shapes);
-    Words {
+    SceneBuilder {
         materials: vec![Material::Diffuse { reflectance: 0 }],
         textures: vec![grey(RHO)],
         shapes: all,
@@ -31,7 +31,7 @@ fn floor_under(
         depth: Some(2),
         fov_x: 0.02,
         camera: look_at(eye, DVec3::ZERO, DVec3::new(0.3, 0.1, 1.0)),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }
@@ -215,7 +215,7 @@ fn floor_along_a_shining_wall() {
             ..wall
         };
         let centre = DVec3::new(0.5 * width, 0.0, 0.5);
-        let scene = Words {
+        let scene = SceneBuilder {
             materials: vec![Material::Diffuse { reflectance: 0 }],
             textures: vec![grey(RHO)],
             shapes: vec![wall, floor(5.0)],
@@ -223,7 +223,7 @@ fn floor_along_a_shining_wall() {
             fov_x: 2.0 * (0.5 * width / 3.0).atan().to_degrees(),
             camera: look_at(centre + 3.0 * DVec3::Y, centre, DVec3::Z),
             film: [4 * width as u32, 4],
-            ..Words::default()
+            ..SceneBuilder::default()
         }
         .build();
         let truth = RHO * LE * perpendicular_factor(height, width);

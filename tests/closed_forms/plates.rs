@@ -12,8 +12,8 @@ use metrolight::scene::{
 use super::published::{
     Facets, albedo, conductor_fresnel, dielectric_fresnel, internal_diffuse_reflectance,
 };
+use crate::common::scenes::{SceneBuilder, floor, grey, look_at};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, floor, grey, look_at};
 
 const SKY: f64 = 0.8;
 
@@ -26,7 +26,7 @@ const RHO: f64 = 0.6;
 fn plate(material: Material, degrees: f64) -> Scene {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let eye = DVec3::new(4.0 * sin, 4.0 * cos, 0.0);
-    Words {
+    SceneBuilder {
         materials: vec![material],
         textures: vec![grey(RHO), grey(1.0)],
         shapes: vec![ShapeDescription {
@@ -39,7 +39,7 @@ fn plate(material: Material, degrees: f64) -> Scene {
         // So narrow that the angle is the same all over the film.
         fov_x: 0.05,
         camera: look_at(eye, DVec3::ZERO, DVec3::Z),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }

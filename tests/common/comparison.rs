@@ -11,7 +11,7 @@
 //! - The distribution of the p-values P(Z < z) over all tests of many images: are they uniform? Small
 //!   differences everywhere, or wrong variances, show here before any tile stands out.
 
-use metrolight::render::{Settings, Unobserved, render};
+use metrolight::render::Settings;
 use metrolight::scene::Scene;
 use metrolight::statistics::{
     Moments, distance_from_uniform, holm, normal_two_sided, smallest_detectable, welch_score,
@@ -21,6 +21,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::renders::renderings;
 use super::tiles::tile_means;
 
 /// Relative standard error below which a tile counts as without noise: it sees one colour, or next to
@@ -57,22 +58,16 @@ impl Renderings {
         Self { rows, moments }
     }
 
-    /// Ours, one for each of `seeds`; `settings` names everything else.
+    /// Ours, one for each of `seeds`; `settings` gives everything else.
     pub fn render(
         scene: &Scene,
         settings: &Settings,
         seeds: std::ops::Range<u64>,
         size: [usize; 2],
     ) -> Self {
-        let image = |seed| {
-            let settings = Settings {
-                seed,
-                ..settings.clone()
-            };
-            let image = render(scene, &settings, &Unobserved).expect("threads");
-            image.image.pixels
-        };
-        let images: Vec<Vec<[f32; 3]>> = seeds.map(image).collect();
+        let images: Vec<Vec<[f32; 3]>> = renderings(scene, settings, seeds)
+            .map(|rendering| rendering.image.pixels)
+            .collect();
         let images = images.iter().map(Vec::as_slice);
         Self::new(images, scene.film.width as usize, size)
     }

@@ -1,16 +1,15 @@
 //! What several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
-pub mod compare;
 pub mod comparison;
 pub mod figures;
 pub mod page;
 pub mod reference;
+pub mod renders;
+pub mod scenes;
 pub mod tiles;
 pub mod truths;
-pub mod words;
 pub mod workplace;
-pub mod worlds;
 
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use metrolight::scene::{Material, Scene, ShapeDescription, Texture};
 use rayon::prelude::*;
 
 use super::room::{Color, Solution, Surface, block, direct, surfaces};
-use crate::common::words::{Words, look_at, parallelogram};
+use crate::common::scenes::{SceneBuilder, look_at, parallelogram};
 
 /// A window on a wall and the pixels it is divided into.
 pub struct View {
@@ -62,7 +62,7 @@ pub fn views() -> [View; 3] {
 impl View {
     /// The room, seen so. Its walls are the only thing that oracle and renderer share.
     pub fn scene(&self, depth: Option<u32>) -> Scene {
-        let mut words = Words {
+        let mut builder = SceneBuilder {
             depth,
             fov_x: 2.0 * (0.5 * self.size[0] / self.distance).atan().to_degrees(),
             camera: look_at(
@@ -71,19 +71,21 @@ impl View {
                 self.up,
             ),
             film: self.tiles,
-            ..Words::default()
+            ..SceneBuilder::default()
         };
         for (i, surface) in (0..).zip(&surfaces()) {
             let rectangle = &surface.rectangle;
-            words.textures.push(Texture::Constant(rgb(surface.albedo)));
-            words.materials.push(Material::Diffuse { reflectance: i });
-            words.shapes.push(ShapeDescription {
+            builder
+                .textures
+                .push(Texture::Constant(rgb(surface.albedo)));
+            builder.materials.push(Material::Diffuse { reflectance: i });
+            builder.shapes.push(ShapeDescription {
                 material: i,
                 emission: (surface.emission != DVec3::ZERO).then(|| rgb(surface.emission)),
                 ..parallelogram(rectangle.corner, rectangle.a, rectangle.b)
             });
         }
-        words.build()
+        builder.build()
     }
 
     /// Mean radiance of every pixel, from the top left in rows, for each of `depths`; by midpoints on

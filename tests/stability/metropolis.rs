@@ -1,12 +1,15 @@
 //! Markov chains where they have little to go by: light that hardly any sample finds, islands that
 //! small steps cannot cross, chains that never move.
 
+use glam::{DMat4, DVec3};
 use metrolight::render::{Budget, Integrator, Rendering, Settings, Unobserved, render};
-use metrolight::scene::Scene;
+use metrolight::scene::{Scene, TriangleMesh};
 use metrolight::statistics::{Moments, normal_two_sided, welch};
 
-use super::common::figures::{Stability, record};
-use super::rooms::{GLASS, ball, behind_two_panes, lamp, room, scene};
+use super::rooms::{add_glass_ball, add_lamp, behind_two_panes, room};
+use crate::common::figures::{Stability, record};
+use crate::common::renders::renderings;
+use crate::common::scenes::{SceneBuilder, shine};
 
 /// False alarm rate of each statistical test here; seeds are fixed.
 const ALPHA: f64 = 1e-4;
@@ -31,16 +34,12 @@ fn mean(rendering: &Rendering) -> f64 {
 
 /// Renders with `seeds` seeds, on one thread each: most of them are short.
 fn renders(scene: &Scene, settings: &Settings, seeds: u64) -> Vec<Rendering> {
-    (0..seeds)
-        .map(|i| {
-            let settings = Settings {
-                seed: settings.seed + i,
-                threads: Some(1),
-                ..settings.clone()
-            };
-            run(scene, &settings)
-        })
-        .collect()
+    let range = settings.seed..settings.seed + seeds;
+    let settings = Settings {
+        threads: Some(1),
+        ..settings.clone()
+    };
+    renderings(scene, &settings, range).collect()
 }
 
 /// Moments of `value` over renders.
@@ -85,23 +84,25 @@ fn stability(case: &str, happens: String, told: &[String]) {
 /// every value is known: pixel i is areas[i] radiances[i]. The gap between them is wider than any
 /// small step.
 fn islands(areas: [f64; 2], radiances: [f64; 2]) -> Scene {
-    // At distance 1 under 90 degrees the film spans [-1, 1] x [-0.5, 0.5].
-    let square = |center: f64, area: f64, radiance: f64| {
-        let half = 0.5 * area.sqrt();
-        format!(
-            "<shape type='rectangle'><transform name='to_world'>
-               <scale value='{half:e}'/><translate x='{center}' z='-1'/></transform>
-               <emitter type='area'><rgb name='radiance' value='{radiance:e}'/></emitter></shape>"
-        )
-    };
-    let [left, right] = [0, 1].map(|i| square([-0.5, 0.5][i], areas[i], radiances[i]));
-    scene(
-        "<float name='fov' value='90'/><transform name='to_world'>
-             <lookat origin='0, 0, 0' target='0, 0, -1' up='0, 1, 0'/></transform>",
-        [2, 1],
-        1,
-        &(left + &right),
-    )
+    let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::NEG_Z, 90.0, [2, 1]).depth(1);
+    builder.near_clip = 1e-2;
+    let black = builder.diffuse(0.0);
+    for (i, x) in [-0.5, 0.5].into_iter().enumerate() {
+        // At distance 1 under 90 degrees the film spans [-1, 1] x [-0.5, 0.5].
+        let half = DVec3::splat(0.5 * areas[i].sqrt());
+        let to_world = DMat4::from_translation(DVec3::new(x, 0.0, -1.0)) * DMat4::from_scale(half);
+        let square = builder.mesh(TriangleMesh::rectangle(), to_world, black);
+        shine(square, radiances[i] as f32);
+    }
+    builder.build()
+}
+
+/// A room with a lamp and a ball of glass.
+fn room_with_ball() -> Scene {
+    let mut builder = room();
+    add_lamp(&mut builder, 0.2, DVec3::new(0.0, 2.2, 0.0));
+    add_glass_ball(&mut builder, 0.5, DVec3::new(0.5, 0.5, 0.0));
+    builder.build()
 }
 
 fn pixel(i: usize) -> impl Fn(&Rendering) -> f64 {
@@ -111,10 +112,11 @@ fn pixel(i: usize) -> impl Fn(&Rendering) -> f64 {
 #[test]
 fn no_light_at_all_is_black_and_said() {
     // A lamp in a box without windows.
-    let walls = "<shape type='cube' id='box'><transform name='to_world'>
-           <scale value='0.4'/><translate y='2.2'/></transform>
-           <bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>";
-    let rendering = run(&room(&(lamp(0.1, [0.0, 2.2, 0.0]) + walls)), &pssmlt(4));
+    let mut builder = room();
+    add_lamp(&mut builder, 0.1, DVec3::Y * 2.2);
+    let walls = builder.diffuse_sheet(0.5);
+    builder.cube(DVec3::Y * 2.2, DVec3::splat(0.4), walls);
+    let rendering = run(&builder.build(), &pssmlt(4));
     assert!(rendering.image.pixels.iter().flatten().all(|&v| v == 0.0));
     let [warning] = &rendering.warnings[..] else {
         panic!("one warning: {:?}", rendering.warnings);
@@ -259,11 +261,7 @@ fn an_island_a_million_times_brighter_does_not_hide_the_other() {
 /// p_large = 0 and 1, one chain and many: all agree with plain bidirectional path tracing.
 #[test]
 fn extremes_of_large_steps_and_of_chains_agree_with_bdpt() {
-    let contents = [
-        lamp(0.2, [0.0, 2.2, 0.0]),
-        ball("ball", 0.5, [0.5, 0.5, 0.0], GLASS),
-    ];
-    let scene = room(&contents.concat());
+    let scene = room_with_ball();
     let bdpt = Settings {
         budget: Budget::SamplesPerPixel(16),
         ..Settings::new(Integrator::Bdpt)
@@ -407,20 +405,14 @@ fn a_chain_that_never_accepts_is_reported() {
 /// variance between seeds is the mean of the squared standard errors, within a quarter.
 #[test]
 fn twenty_seeds_flicker_no_more_than_their_errors_say() {
-    let contents = [
-        lamp(0.2, [0.0, 2.2, 0.0]),
-        ball("ball", 0.5, [0.5, 0.5, 0.0], GLASS),
-    ];
-    let scene = room(&contents.concat());
+    let scene = room_with_ball();
     let mut pixels: Vec<Moments> = Vec::new();
     let mut expected = Moments::default();
-    for seed in 0..20 {
-        let settings = Settings {
-            seed,
-            error: true,
-            ..pssmlt(64)
-        };
-        let rendering = run(&scene, &settings);
+    let settings = Settings {
+        error: true,
+        ..pssmlt(64)
+    };
+    for rendering in renderings(&scene, &settings, 0..20) {
         pixels.resize(rendering.image.pixels.len(), Moments::default());
         for (moments, pixel) in pixels.iter_mut().zip(&rendering.image.pixels) {
             moments.add(f64::from(pixel[1]));

@@ -6,12 +6,14 @@
 
 use glam::{DMat4, DVec3};
 use metrolight::render::{Integrator, Rendering};
-use metrolight::scene::Scene;
+use metrolight::scene::{Distribution, Scene};
 use metrolight::statistics::Moments;
 
-use crate::common::compare::{assert_mean, assert_same_image, mean, means, rendering, tiles};
 use crate::common::figures::{Stability, record};
-use crate::common::worlds::{World, shine};
+use crate::common::renders::{mean, means, rendering};
+use crate::common::scenes::{SceneBuilder, shine};
+use crate::common::tiles::{assert_same_image, tiles};
+use crate::common::truths::assert_mean;
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
 
@@ -64,18 +66,18 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
 /// A floor that a lamp lights, and between them, if `eta` is given, a ball.
 fn floor_behind_ball(ball: Option<Ball>) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.9, 3.0), DVec3::new(0.0, -0.6, 0.0));
-    let mut world = World::seen(from, to, 40.0, [16, 12]).depth(7);
-    let white = world.diffuse(0.7);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    shine(world.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
+    let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(7);
+    let white = builder.diffuse(0.7);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    shine(builder.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
     let ball = ball.map(|ball| match ball {
-        Ball::Smooth(eta) => world.glass(eta),
-        Ball::Rough(eta) => world.rough_glass(eta, 0.3),
+        Ball::Smooth(eta) => builder.glass(eta),
+        Ball::Rough(eta) => builder.rough_glass(Distribution::Ggx, eta, 0.3),
     });
     if let Some(material) = ball {
-        world.sphere(DVec3::ZERO, 0.6, material);
+        builder.sphere(DVec3::ZERO, 0.6, material);
     }
-    world.build()
+    builder.build()
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,16 +120,16 @@ fn a_ball_of_index_one_is_no_ball() {
 /// A slab of glass under a sky, and in it a black lamp that faces up: `from` looks at the middle of
 /// the top of the slab.
 pub fn lamp_in_slab(from: DVec3) -> Scene {
-    let mut world = World::seen(from, DVec3::Y, 0.02, [4, 3]);
-    let glass = world.glass(1.5);
-    let black = world.diffuse(0.0);
-    world.cube(DVec3::ZERO, DVec3::new(200.0, 1.0, 200.0), glass);
+    let mut builder = SceneBuilder::seen(from, DVec3::Y, 0.02, [4, 3]);
+    let glass = builder.glass(1.5);
+    let black = builder.diffuse(0.0);
+    builder.cube(DVec3::ZERO, DVec3::new(200.0, 1.0, 200.0), glass);
     shine(
-        world.floor(DVec3::new(0.0, -0.5, 0.0), 199.9, black),
+        builder.floor(DVec3::new(0.0, -0.5, 0.0), 199.9, black),
         LAMP as f32,
     );
-    world.sky(SKY as f32);
-    world.build()
+    builder.sky(SKY as f32);
+    builder.build()
 }
 
 const LAMP: f64 = 3.0;
@@ -183,13 +185,13 @@ fn air_bubbles_in_water() {
     let n = 1.33;
     for b in [0.0, 0.1, 0.5, 0.745, 0.76, 0.99] {
         let (from, to) = (DVec3::new(b, 0.0, 5.0), DVec3::new(b, 0.0, 0.0));
-        let mut world = World::seen(from, to, 0.02, [4, 3]);
-        let air = world.glass((1.0 / n) as f32);
-        let black = world.diffuse(0.0);
-        world.sphere(DVec3::ZERO, 1.0, air);
-        shine(world.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
-        world.sky(SKY as f32);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(from, to, 0.02, [4, 3]);
+        let air = builder.glass((1.0 / n) as f32);
+        let black = builder.diffuse(0.0);
+        builder.sphere(DVec3::ZERO, 1.0, air);
+        shine(builder.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
+        builder.sky(SKY as f32);
+        let scene = builder.build();
         let f = fresnel((1.0 - b * b).sqrt(), 1.0 / n);
         let truth = match b {
             b if n * b < 0.2 => f * SKY + (1.0 - f) * n * n * LAMP,
@@ -212,13 +214,13 @@ fn air_bubbles_in_water() {
 /// A small room with a lamp whose radiance is `radiance`, glass and a diffuse wall.
 fn room(radiance: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.5, 3.5), DVec3::new(0.0, -0.2, 0.0));
-    let mut world = World::seen(from, to, 40.0, [16, 12]).depth(6);
-    let white = world.diffuse(0.7);
-    let glass = world.glass(1.5);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    world.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, glass);
-    shine(world.ceiling(DVec3::Y, 0.5, white), radiance);
-    world.build()
+    let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(6);
+    let white = builder.diffuse(0.7);
+    let glass = builder.glass(1.5);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, glass);
+    shine(builder.ceiling(DVec3::Y, 0.5, white), radiance);
+    builder.build()
 }
 
 /// Powers of two change no digit: the image must scale to the bit. Of 1e12 and 1e-12 the roundings
@@ -264,17 +266,17 @@ fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
     const BRIGHT: f32 = 1e12;
     const DIM: f32 = 1e-12;
     let scene = |bright: f32, dim: f32| {
-        let mut world = World::seen(DVec3::Y * 8.0, DVec3::ZERO, 40.0, [16, 4]);
-        let (white, black) = (world.diffuse(0.7), world.diffuse_sheet(0.0));
-        world.floor(DVec3::ZERO, 3.0, white);
-        world.cube(DVec3::Y * 1.5, DVec3::new(0.01, 1.5, 9.0), black);
+        let mut builder = SceneBuilder::seen(DVec3::Y * 8.0, DVec3::ZERO, 40.0, [16, 4]);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse_sheet(0.0));
+        builder.floor(DVec3::ZERO, 3.0, white);
+        builder.cube(DVec3::Y * 1.5, DVec3::new(0.01, 1.5, 9.0), black);
         for (side, radiance) in [(-1.0, bright), (1.0, dim)] {
-            let lamp = world.ceiling(DVec3::new(side * 1.5, 1.5, 0.0), 0.3, black);
+            let lamp = builder.ceiling(DVec3::new(side * 1.5, 1.5, 0.0), 0.3, black);
             if radiance > 0.0 {
                 shine(lamp, radiance);
             }
         }
-        world.depth(3).build()
+        builder.depth(3).build()
     };
     let both = scene(BRIGHT, DIM);
     for (integrator, spp) in [(Path, 256), (Light, 256), (Bdpt, 64), (Pssmlt, 256)] {
@@ -327,17 +329,17 @@ fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
 
 /// The room seen on a film of `size` with a horizontal field of view of `fov`.
 fn view(size: [u32; 2], fov: f64) -> Scene {
-    let mut world = World::seen(
+    let mut builder = SceneBuilder::seen(
         DVec3::new(0.0, 0.3, 3.5),
         DVec3::new(0.1, -0.3, 0.0),
         fov,
         size,
     );
-    let white = world.diffuse(0.7);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    world.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, white);
-    shine(world.ceiling(DVec3::Y, 0.5, white), 2.0);
-    world.depth(4).build()
+    let white = builder.diffuse(0.7);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, white);
+    shine(builder.ceiling(DVec3::Y, 0.5, white), 2.0);
+    builder.depth(4).build()
 }
 
 /// Null hypothesis: a film of one row or column is the middle row or column of a larger one with the same
@@ -380,27 +382,28 @@ fn an_emitter_seen_from_its_edge_gives_nothing() {
         let place = |p: DVec3| tilt.transform_point3(p);
         // In the plane of the lamp, which is that of the floor.
         let (from, to) = (DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO);
-        let mut world = World::seen(place(from), place(to), 30.0, [16, 12]).depth(3);
-        let (white, black) = (world.diffuse(0.7), world.diffuse(0.0));
-        world
+        let mut builder = SceneBuilder::seen(place(from), place(to), 30.0, [16, 12]).depth(3);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse(0.0));
+        builder
             .floor(DVec3::new(0.0, 0.0, -3.0), 1.0, white)
             .flip_normals = false;
-        world.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(world.floor(DVec3::ZERO, 1.0, black), 1.0);
-        for shape in &mut world.0.shapes {
+        builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
+        shine(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
-        let edge_on = world.build();
+        let edge_on = builder.build();
         // From above, the lamp itself in black: the floor beside it.
         let above = DVec3::new(2.5, 3.0, 0.0);
-        let mut world = World::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);
-        let (white, black) = (world.diffuse(0.7), world.diffuse(0.0));
-        world.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(world.floor(DVec3::ZERO, 1.0, black), 1.0);
-        for shape in &mut world.0.shapes {
+        let mut builder =
+            SceneBuilder::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse(0.0));
+        builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
+        shine(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
-        for scene in [edge_on, world.build()] {
+        for scene in [edge_on, builder.build()] {
             for integrator in Integrator::ALL {
                 let rendering = rendering(&scene, integrator, 64, 1);
                 let mean = mean(&rendering);

@@ -7,8 +7,9 @@ use metrolight::scene::{Scene, ThinLens, TriangleMesh};
 use metrolight::statistics::Moments;
 
 use super::numbers::{ALPHA, ROUNDING, figure, lamp_in_slab, row, told};
-use crate::common::compare::{assert_mean, mean, means, rendering, settings};
-use crate::common::worlds::{World, shine};
+use crate::common::renders::{mean, means, rendering, renderings, settings};
+use crate::common::scenes::{SceneBuilder, shine};
+use crate::common::truths::assert_mean;
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
 
@@ -33,11 +34,11 @@ fn a_camera_in_glass() {
             0.0,
         ),
     ] {
-        let mut world = World::seen(from, to, 5.0, [4, 3]);
-        let glass = world.glass(n as f32);
-        world.sphere(DVec3::ZERO, 1.0, glass);
-        world.sky(1.0);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(from, to, 5.0, [4, 3]);
+        let glass = builder.glass(n as f32);
+        builder.sphere(DVec3::ZERO, 1.0, glass);
+        builder.sky(1.0);
+        let scene = builder.build();
         for integrator in [Path, Bdpt, Pssmlt] {
             let moments = means(&scene, integrator, 200, 8);
             let name = format!("{what}, {}", integrator.name());
@@ -56,12 +57,12 @@ fn a_camera_in_glass() {
 #[test]
 fn a_camera_in_a_lamp() {
     for (inward, truth) in [(true, 3.0), (false, 0.0)] {
-        let mut world = World::seen(DVec3::new(0.2, 0.1, -0.3), DVec3::X, 60.0, [6, 4]);
-        let black = world.diffuse(0.0);
-        let lamp = world.sphere(DVec3::ZERO, 1.0, black);
+        let mut builder = SceneBuilder::seen(DVec3::new(0.2, 0.1, -0.3), DVec3::X, 60.0, [6, 4]);
+        let black = builder.diffuse(0.0);
+        let lamp = builder.sphere(DVec3::ZERO, 1.0, black);
         lamp.flip_normals = inward;
         shine(lamp, 3.0);
-        let scene = world.build();
+        let scene = builder.build();
         let mut message = String::new();
         for integrator in Integrator::ALL {
             let rendering = rendering(&scene, integrator, 64, 1);
@@ -102,11 +103,11 @@ fn a_camera_on_a_floor() {
         ("down from just above it", 5e-4, DVec3::new(0.1, -1.0, 0.0)),
     ] {
         let from = DVec3::Y * height;
-        let mut world = World::seen(from, from + to, 50.0, [6, 4]).depth(3);
-        let white = world.diffuse_sheet(0.5);
-        world.floor(DVec3::ZERO, 1.0, white);
-        world.sky(1.0);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(from, from + to, 50.0, [6, 4]).depth(3);
+        let white = builder.diffuse_sheet(0.5);
+        builder.floor(DVec3::ZERO, 1.0, white);
+        builder.sky(1.0);
+        let scene = builder.build();
         for integrator in Integrator::ALL {
             let moments = means(&scene, integrator, 400, 8);
             let name = format!("{what}, {}", integrator.name());
@@ -126,11 +127,11 @@ fn a_camera_on_a_floor() {
 #[test]
 fn a_camera_on_glass() {
     for (what, to, truth) in [("out", DVec3::X * 2.0, 1.0), ("in", DVec3::ZERO, 2.25)] {
-        let mut world = World::seen(DVec3::X, to, 5.0, [4, 3]);
-        let glass = world.glass(1.5);
-        world.sphere(DVec3::ZERO, 1.0, glass);
-        world.sky(1.0);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(DVec3::X, to, 5.0, [4, 3]);
+        let glass = builder.glass(1.5);
+        builder.sphere(DVec3::ZERO, 1.0, glass);
+        builder.sky(1.0);
+        let scene = builder.build();
         for integrator in [Path, Bdpt, Pssmlt] {
             let moments = means(&scene, integrator, 200, 8);
             let name = format!("{what}, {}", integrator.name());
@@ -149,15 +150,15 @@ fn a_camera_on_glass() {
 /// and show n^2 L.
 #[test]
 fn a_lens_cut_by_glass() {
-    let mut world = World::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
-    world.0.camera.lens = Some(ThinLens {
+    let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
+    builder.lens = Some(ThinLens {
         aperture_radius: 0.1,
         focus_distance: 2.0,
     });
-    let glass = world.glass(1.5);
-    world.cube(DVec3::X * 5.0, DVec3::splat(5.0), glass);
-    world.sky(1.0);
-    let scene = world.build();
+    let glass = builder.glass(1.5);
+    builder.cube(DVec3::X * 5.0, DVec3::splat(5.0), glass);
+    builder.sky(1.0);
+    let scene = builder.build();
     for integrator in [Path, Bdpt, Pssmlt] {
         let moments = means(&scene, integrator, 400, 8);
         assert_mean(integrator.name(), &moments, 1.625, ROUNDING, ALPHA);
@@ -174,12 +175,12 @@ fn a_lens_cut_by_glass() {
 /// it.
 fn white_room(lamp_radius: f64) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
-    let mut world = World::seen(from, to, 60.0, [6, 4]);
-    let white = world.diffuse(1.0);
-    let black = world.diffuse(0.0);
-    world.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
-    shine(world.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
-    world.build()
+    let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
+    let white = builder.diffuse(1.0);
+    let black = builder.diffuse(0.0);
+    builder.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
+    shine(builder.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
+    builder.build()
 }
 
 /// In equilibrium radiance is that of the lamp, everywhere, however long its light takes: with a lamp
@@ -195,15 +196,12 @@ fn a_white_room_is_as_bright_as_its_black_lamp() {
     ] {
         let scene = white_room(radius);
         assert_eq!(trapped_light(&scene), None);
-        let moments: Moments = (0..8)
-            .map(|seed| {
-                let settings = Settings {
-                    seed,
-                    bootstrap: Some(bootstrap),
-                    ..settings(integrator, spp)
-                };
-                mean(&render(&scene, &settings, &Unobserved).expect("threads"))
-            })
+        let settings = Settings {
+            bootstrap: Some(bootstrap),
+            ..settings(integrator, spp)
+        };
+        let moments: Moments = renderings(&scene, &settings, 0..8)
+            .map(|r| mean(&r))
             .collect();
         let name = integrator.name();
         assert_mean(name, &moments, 1.0, ROUNDING, ALPHA);
@@ -241,12 +239,12 @@ fn a_nearly_white_furnace_has_finite_variance() {
 /// The inside of a sphere that shines with radiance 1 and reflects `albedo`.
 fn furnace(albedo: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
-    let mut world = World::seen(from, to, 60.0, [6, 4]);
-    let white = world.diffuse(albedo);
-    let wall = world.sphere(DVec3::ZERO, 1.0, white);
+    let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
+    let white = builder.diffuse(albedo);
+    let wall = builder.sphere(DVec3::ZERO, 1.0, white);
     wall.flip_normals = true;
     shine(wall, 1.0);
-    world.build()
+    builder.build()
 }
 
 /// A closed furnace of albedo 1 has no finite brightness: every render of it ends, with some number,
@@ -285,14 +283,14 @@ fn a_closed_white_furnace_ends_and_is_reported() {
 fn an_open_white_box_is_as_bright_as_the_sky() {
     for (integrator, spp) in [(Path, 200), (Bdpt, 50), (Pssmlt, 100)] {
         let (from, to) = (DVec3::new(0.0, 1.4, 0.9), DVec3::new(0.0, -0.2, -0.5));
-        let mut world = World::seen(from, to, 50.0, [6, 4]);
-        let white = world.diffuse_sheet(1.0);
+        let mut builder = SceneBuilder::seen(from, to, 50.0, [6, 4]);
+        let white = builder.diffuse_sheet(1.0);
         let mut sides = TriangleMesh::cube();
         // The second face is the lid.
         sides.triangles.drain(2..4);
-        world.mesh(sides, DMat4::IDENTITY, white);
-        world.sky(1.0);
-        let scene = world.build();
+        builder.mesh(sides, DMat4::IDENTITY, white);
+        builder.sky(1.0);
+        let scene = builder.build();
         let moments = means(&scene, integrator, spp, 10);
         assert_mean(integrator.name(), &moments, 1.0, ROUNDING, ALPHA);
     }
@@ -308,12 +306,16 @@ fn an_open_white_box_is_as_bright_as_the_sky() {
 #[test]
 fn absurd_coordinates() {
     let message = |distance: f64| {
-        let mut world = World::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
-        let white = world.diffuse(0.5);
-        world.sphere(DVec3::X * 4.0, 1.0, white);
-        world.floor(DVec3::Y * -distance, 1.0, white);
-        world.sky(1.0);
-        world.0.build().err().map(|error| error.to_string())
+        let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
+        let white = builder.diffuse(0.5);
+        builder.sphere(DVec3::X * 4.0, 1.0, white);
+        builder.floor(DVec3::Y * -distance, 1.0, white);
+        builder.sky(1.0);
+        builder
+            .description()
+            .build()
+            .err()
+            .map(|error| error.to_string())
     };
     let told = message(1e30).expect("an error");
     assert!(

@@ -3,15 +3,19 @@
 //! Every point of a sweep is a scene of its own with a reference made by many times the work. What is
 //! recorded makes the charts in `docs/stability.md`.
 
+use glam::{DMat4, DVec3};
 use metrolight::analysis::lost_light;
 use metrolight::metrics::relative_mse;
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
-use metrolight::scene::Scene;
+use metrolight::render::{Budget, Integrator, Rendering, Settings, Unobserved, render};
+use metrolight::scene::{Distribution, Scene, TriangleMesh};
 use metrolight::statistics::Moments;
 use serde::Serialize;
 
-use super::common::figures::record;
-use super::rooms::{GLASS, OUT_OF_SIGHT, ball, behind_one_pane, behind_two_panes, lamp, room};
+use super::rooms::{
+    BK7, OUT_OF_SIGHT, add_glass_ball, add_lamp, behind_one_pane, behind_two_panes, room,
+};
+use crate::common::figures::record;
+use crate::common::renders::renderings;
 
 /// What shrinks.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -91,38 +95,39 @@ impl Sweep {
 
     fn scene(self, parameter: f64) -> Scene {
         let radius = radius(parameter);
-        // Out of sight: a lamp in view is brighter than all that it lights.
-        let above = OUT_OF_SIGHT;
+        let ball = DVec3::new(0.3, 0.7, 0.0);
+        let mut builder = room();
+        // Lamps are out of sight: one in view is brighter than all that it lights.
         match self {
-            Self::Lamp => room(&lamp(radius, above)),
+            Self::Lamp => add_lamp(&mut builder, radius, OUT_OF_SIGHT),
             Self::LampOverGlass => {
-                room(&(lamp(radius, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], GLASS)))
+                add_lamp(&mut builder, radius, OUT_OF_SIGHT);
+                add_glass_ball(&mut builder, 0.6, ball);
             }
-            Self::LampBehindTwoPanes => behind_two_panes(radius),
+            Self::LampBehindTwoPanes => return behind_two_panes(radius),
             Self::Roughness => {
-                let glass = if parameter > 0.0 {
-                    format!(
-                        "<bsdf type='roughdielectric'><float name='alpha' value='{parameter}'/></bsdf>"
-                    )
+                add_lamp(&mut builder, 0.2, OUT_OF_SIGHT);
+                if parameter > 0.0 {
+                    let glass = builder.rough_glass(Distribution::Beckmann, BK7, parameter as f32);
+                    builder.sphere(ball, 0.6, glass);
                 } else {
-                    GLASS.into()
-                };
-                room(&(lamp(0.2, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], &glass)))
+                    add_glass_ball(&mut builder, 0.6, ball);
+                }
             }
             Self::Slit => {
-                // A wall across the room, with a slit; the lamp is behind it, out of sight.
+                // A wall across the room, with a slit; the lamp is behind it.
                 let half = 0.5 * (2.0 - 0.5 * parameter);
                 let center = 0.25 * parameter + half;
-                let wall = [-center, center].map(|x| {
-                    format!(
-                        "<shape type='rectangle'><transform name='to_world'>
-                           <scale x='{half}' y='2'/><translate x='{x}' y='1.5' z='-0.5'/></transform>
-                           <bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>"
-                    )
-                });
-                room(&(wall.concat() + &lamp(0.1, [1.2, 1.5, -1.2])))
+                let wall = builder.diffuse_sheet(0.5);
+                for x in [-center, center] {
+                    let to_world = DMat4::from_translation(DVec3::new(x, 1.5, -0.5))
+                        * DMat4::from_scale(DVec3::new(half, 2.0, 1.0));
+                    builder.mesh(TriangleMesh::rectangle(), to_world, wall);
+                }
+                add_lamp(&mut builder, 0.1, DVec3::new(1.2, 1.5, -1.2));
             }
         }
+        builder.build()
     }
 
     /// The truth, but for the noise of much work by bidirectional path tracing.
@@ -151,16 +156,12 @@ impl Sweep {
         METHODS
             .map(|integrator| {
                 let (mut error, mut found) = (Moments::default(), Moments::default());
-                for seed in 0..effort.seeds {
-                    let settings = Settings {
-                        budget: Budget::SamplesPerPixel(WORK),
-                        seed,
-                        bootstrap: Some(50_000),
-                        ..Settings::new(integrator)
-                    };
-                    let image = render(&scene, &settings, &Unobserved)
-                        .expect("threads")
-                        .image;
+                let settings = Settings {
+                    budget: Budget::SamplesPerPixel(WORK),
+                    bootstrap: Some(50_000),
+                    ..Settings::new(integrator)
+                };
+                for Rendering { image, .. } in renderings(&scene, &settings, 0..effort.seeds) {
                     error.add(relative_mse(&image.pixels, &reference));
                     found.add(mean(&image.pixels) / mean(&reference));
                 }
