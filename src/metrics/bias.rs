@@ -198,6 +198,7 @@ impl Estimate<'_> {
 mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     const WIDTH: usize = 24;
@@ -207,7 +208,7 @@ mod tests {
     /// An image and standard errors from parts of mean 1 and deviation 0.5. Of the deviation a share is
     /// common to all pixels of a row's run of 8.
     fn measured(rng: &mut Xoshiro256PlusPlus, common: f64) -> [Vec<[f32; 3]>; 2] {
-        let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let mut normal = || rng.sample::<f64, _>(StandardNormal);
         let mut pixels = vec![[Moments::default(); 3]; WIDTH * HEIGHT];
         for _ in 0..PARTS {
             let shared: Vec<f64> = (0..WIDTH * HEIGHT / 64 + 9).map(|_| normal()).collect();

@@ -110,6 +110,7 @@ fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
 
 /// Ranks from 1 on, the mean one among ties.
 pub(super) fn mean_ranks(values: &[f64]) -> Vec<f64> {
+    // Not statrs' `ranks`: it panics at NaN, and does not tie equal infinities.
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
     let mut ranks = vec![0.0; values.len()];
@@ -139,6 +140,7 @@ fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
 
 /// Quantile of type 7: linear between the order statistics at level (n - 1).
 fn quantile(values: &[f64], level: f64) -> f64 {
+    // Not statrs' `quantile`, which is of type 8.
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let position = level * (sorted.len() - 1) as f64;

@@ -43,9 +43,10 @@ pub fn rank_uniformity(ranks: &[usize], largest: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_level_kept, normal};
+    use super::super::testing::assert_level_kept;
     use super::*;
     use rand::SeedableRng;
+    use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     #[test]
@@ -84,7 +85,7 @@ mod tests {
             for run in 0..1000 {
                 let mut ranks = |scale: f64| -> Vec<usize> {
                     let mut rank = || {
-                        let mut value = || (4.0 * normal(&mut rng)).round();
+                        let mut value = || (4.0 * rng.sample::<f64, _>(StandardNormal)).round();
                         let others: Vec<f64> = (0..largest).map(|_| value()).collect();
                         rank_among(scale * value(), &others, &mut rng)
                     };

@@ -16,7 +16,8 @@ use metrolight::scene::Scene;
 use metrolight::statistics::{
     Moments, distance_from_uniform, holm, normal_two_sided, smallest_detectable, welch_score,
 };
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -216,17 +217,9 @@ pub fn uniformity<'a>(
     (as_far.count() + 1) as f64 / (replicates + 1) as f64
 }
 
-/// Standard normal numbers (Box and Muller 1958).
+/// Standard normal numbers.
 pub fn normals(rng: &mut impl Rng, count: usize) -> Vec<f64> {
-    let mut pair = || {
-        let [u, v] = [0, 1].map(|_| (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64);
-        let radius = (-2.0 * (1.0 - u).ln()).sqrt();
-        let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
-        [radius * cos, radius * sin]
-    };
-    let mut numbers: Vec<f64> = (0..count.div_ceil(2)).flat_map(|_| pair()).collect();
-    numbers.truncate(count);
-    numbers
+    rng.sample_iter(StandardNormal).take(count).collect()
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
