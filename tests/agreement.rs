@@ -1,9 +1,9 @@
-//! Path tracing, light tracing, bidirectional path tracing and Metropolis make one image.
+//! Path tracing, light tracing, bidirectional path tracing and Metropolis converge to the same image.
 //!
 //! Null hypothesis, for each pair of integrators, tile of the image and channel: both have the same
 //! mean over independent seeds. Welch's test for each, Holm's correction over all of a scene; a
-//! correct program fails one scene with probability ALPHA for a new choice of seeds. Nothing is
-//! rescaled, so a wrong normalisation shows too.
+//! correct program fails one scene with probability ALPHA for a new choice of seeds. Images are not
+//! rescaled, so that a wrong normalisation is detected too.
 
 mod common;
 
@@ -26,7 +26,7 @@ const SEEDS: u64 = 16;
 fn sample(scene: &Scene, integrator: Integrator, spp: u64, side: usize) -> Vec<Moments> {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(spp),
-        // Chains carry most of the light, and not what is brightest alone.
+        // Chains carry most of the light, not only the brightest.
         division: DivisionSettings {
             threshold: Some(0.05),
             ..DivisionSettings::default()
@@ -126,8 +126,8 @@ fn light_from_all_around() {
     );
 }
 
-/// What refraction does to radiance it does not do to importance, and shading normals make scattering
-/// asymmetric: without their adjoint factors path and light tracing make different images.
+/// Refraction scales radiance but not importance, and shading normals make scattering asymmetric: without
+/// the adjoint factors path and light tracing converge to different images.
 #[test]
 fn path_and_light_tracing_are_adjoint() {
     assert_agreement(
@@ -137,8 +137,8 @@ fn path_and_light_tracing_are_adjoint() {
     );
 }
 
-/// Through two interfaces with both indices given, from a lamp outside to a camera in the water and from a
-/// lamp in the water to a camera outside: the squared indices do not cancel.
+/// Light through two interfaces, from a lamp outside to a camera in the water and from a lamp in the water
+/// to a camera outside, so that the squared indices do not cancel.
 #[test]
 fn nested_media_are_adjoint() {
     let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
@@ -152,7 +152,8 @@ fn nested_media_are_adjoint() {
     assert_agreement("tests/scenes/nested.xml", &inside, &methods);
 }
 
-/// From a lamp under water to what rises out of it; through a rough surface also to what stays below.
+/// Light from a lamp under water to objects that rise out of it; through a rough surface also to objects
+/// below.
 #[test]
 fn half_immersed_things_are_adjoint() {
     let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
@@ -165,8 +166,8 @@ fn half_immersed_things_are_adjoint() {
     assert_agreement("tests/scenes/immersed.xml", &rough, &methods);
 }
 
-/// Shading normals on coarse meshes, rough, diffuse and refracting, under a sky and a lamp, through a
-/// lens.
+/// Shading normals on coarse meshes, rough, diffuse and refracting, lit by an environment and a lamp, seen
+/// through a lens.
 #[test]
 fn coarse_meshes_are_adjoint() {
     let methods = [(Path, 48), (Light, 128), (Bdpt, 24)];
@@ -186,10 +187,10 @@ fn lenses() {
     assert_agreement("tests/scenes/plates.xml", &[], &methods);
 }
 
-/// At every vertex of both walks: what a sampled step gives is what a connection along it would give,
-/// f cos over the density; and seen from the other end the same vertex scatters by the adjoint (Veach
-/// 1997, section 5.3): value_I |w_i.N_g| = value_R |w_o.N_g|, its densities exchanged. Among these vertices
-/// are rough glass, and meshes whose shading normals are not the geometric ones.
+/// At every vertex of both walks the throughput of a sampled step equals that of a connection along it,
+/// f cos over the density; and in the other direction the vertex scatters by the adjoint BSDF (Veach
+/// 1997, section 5.3): value_I |w_i.N_g| = value_R |w_o.N_g|, with the densities exchanged. The vertices
+/// include rough glass, and meshes whose shading normals differ from the geometric ones.
 #[test]
 fn walks_scatter_as_connections_do() {
     for path in ["tests/scenes/coarse.xml", "tests/scenes/immersed.xml"] {
@@ -236,7 +237,7 @@ fn check_step(scene: &Scene, v: &Vertex, next: &Vertex, direction: Vec3A, mode: 
         .bounce(scene, v.to_previous, other(mode)),
     );
     let cos_previous = v.surface.geometric_normal.dot(v.to_previous).abs();
-    // Where a cosine is next to nothing f32 leaves too few digits of either side.
+    // Cosines close to 0 have too few significant digits in f32.
     if bounce.cos < 1e-3 || cos_previous < 1e-3 {
         return;
     }
@@ -247,7 +248,7 @@ fn check_step(scene: &Scene, v: &Vertex, next: &Vertex, direction: Vec3A, mode: 
             close(sampled, connected),
             "{mode:?}: {sampled} {connected} at {v:?}"
         );
-        // Each value times the cosine at its own predecessor.
+        // Each value times the cosine at its predecessor.
         let (there, again) = (bounce.value * cos_previous, back.value * bounce.cos);
         assert!(
             close(there[channel], again[channel]),

@@ -1,4 +1,4 @@
-//! The inner loop allocates nothing: not per path, not per mutation.
+//! The inner loop does not allocate, neither per path nor per mutation.
 
 mod common;
 
@@ -11,12 +11,12 @@ use metrolight::render::LightTarget;
 use metrolight::sampling::FreshCoordinates;
 use metrolight::sampling::seeds::{self, Purpose};
 
-/// The system's allocator, counting.
+/// The system allocator with a counter.
 struct Counting;
 
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 
-// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+// SAFETY: every call is forwarded unchanged to the system allocator, which keeps the contract.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
@@ -36,7 +36,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of `work`. This binary has one test, so no other thread allocates meanwhile.
+/// Number of allocations during `work`. This binary has one test, so no other thread allocates meanwhile.
 fn allocations(work: impl FnOnce()) -> u64 {
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     work();
@@ -55,7 +55,7 @@ fn mutations_and_samples_allocate_nothing() {
         let start = seeds::generator(0, Purpose::Bootstrap, 0);
         let rng = seeds::chain_generators(0, 1).remove(0);
         let mut chain = Chain::start(&mut target, start, rng, 0.3, SmallStep::default());
-        // Buffers grow to the size of the longest path, once.
+        // Let the buffers grow to the length of the longest path.
         (0..10_000).for_each(|_| _ = chain.step(&mut target).density);
         let during = allocations(|| {
             (0..10_000).for_each(|_| _ = chain.step(&mut target).density);

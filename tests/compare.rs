@@ -1,4 +1,4 @@
-//! `metrolight compare` as a user meets it.
+//! `metrolight compare`: output, files and errors.
 
 mod common;
 
@@ -10,7 +10,7 @@ use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 use serde_json::Value;
 
-/// Writes an image of 5 x 4 pixels, all 1 but for one.
+/// Writes an image of `width` x 4 pixels that are all 1 except one.
 fn write(place: &Workplace, name: &str, width: usize, pixel: [f32; 3]) {
     let mut pixels = vec![[1.0; 3]; width * 4];
     pixels[width + 2] = pixel;
@@ -80,9 +80,9 @@ fn an_image_is_identical_to_itself() {
     );
 }
 
-/// Fixed seeds; a correct program gives a false alarm for one choice of seeds in a hundred.
+/// Seeds are fixed; a correct program raises a false alarm for one choice of seeds in a hundred.
 #[test]
-fn bias_is_found_where_there_is_some_and_only_there() {
+fn bias_is_found_exactly_where_it_exists() {
     let place = Workplace::new();
     let render = |name: &str, arguments: &str| {
         let render = format!("render room.xml -q --error --size 24x16 -o {name} {arguments}");
@@ -117,7 +117,7 @@ fn bias_is_found_where_there_is_some_and_only_there() {
         .assert()
         .success()
         .stdout(contains("; BIASED"));
-    // Of bidirectional path tracing it is not known how the pixels hang together.
+    // The correlation of pixels is unknown for bidirectional path tracing.
     let other = compare("c.exr");
     assert_ne!(other["bias"]["verdict"], "differs");
     assert_ne!(
@@ -138,7 +138,7 @@ fn bias_is_found_where_there_is_some_and_only_there() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn invalid_comparisons_are_explained() {
     let place = Workplace::new();
     write(&place, "r.exr", 5, [1.0; 3]);
     write(&place, "wide.exr", 6, [1.0; 3]);

@@ -1,5 +1,5 @@
-//! `metrolight converge`: what it measures is what a render makes, and what it says follows from what
-//! it measured.
+//! `metrolight converge`: it measures the images of ordinary renders, and its tables and text follow from
+//! the measurements.
 
 mod common;
 
@@ -22,7 +22,7 @@ fn table(place: &Workplace, name: &str) -> Vec<std::collections::HashMap<String,
 }
 
 #[test]
-fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
+fn the_table_has_every_measurement_and_the_last_is_that_of_the_image() {
     let place = Workplace::new();
     place
         .run("render room.xml --integrator bdpt --spp 256 --seed 99 --error -o truth.exr -q")
@@ -79,7 +79,7 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
             "{file}"
         );
     }
-    // The image of the error is the one that `compare` makes.
+    // The error image equals that of `compare`.
     place
         .run("compare chart/path.exr truth.exr -o compared")
         .assert()
@@ -90,7 +90,7 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
 }
 
 #[test]
-fn without_a_reference_one_is_rendered_and_swept_values_have_a_line_each() {
+fn a_missing_reference_is_rendered_and_each_swept_value_is_a_variant() {
     let place = Workplace::new();
     place
         .run(

@@ -1,4 +1,4 @@
-//! Same scene, seed and sample count: the same image to the bit, whatever the number of threads.
+//! For one scene, seed and sample count, images are identical bit for bit on any number of threads.
 
 mod common;
 
@@ -25,7 +25,7 @@ fn bits(scene: &Scene, integrator: Integrator, threads: usize, seed: u64) -> Vec
 
 #[test]
 fn images_do_not_depend_on_the_number_of_threads() {
-    // A filter wider than a pixel, so that splats of different runs meet in one pixel.
+    // The Gaussian filter is wider than a pixel, so that pixels receive splats from several tiles.
     for scene in [
         "scenes/spheres/scene.xml",
         "tests/references/scenes/gaussian.xml",

@@ -1,5 +1,5 @@
-//! `metrolight diagnose`: correct chains are called stationary, its files are whole, and it says what
-//! is wrong with what it is given.
+//! `metrolight diagnose`: correct chains are called stationary, its files are complete, and invalid input
+//! is explained.
 
 mod common;
 
@@ -56,8 +56,8 @@ fn correct_chains_are_called_stationary() {
     assert!((all - 1.0).abs() < 1e-9, "{all}");
 }
 
-/// The verdict follows from the p-values and the level: with one so high that the smallest p-value is
-/// below it, the same chains are not stationary.
+/// The verdict follows from the p-values and the level: at a level above the smallest p-value the same
+/// chains are not stationary.
 #[test]
 fn a_rejection_ends_with_exit_code_1() {
     let place = Workplace::new();
@@ -79,7 +79,7 @@ fn a_rejection_ends_with_exit_code_1() {
 }
 
 #[test]
-fn the_same_seed_finds_the_same() {
+fn results_depend_on_the_seed_alone() {
     let place = Workplace::new();
     let run = |threads: u32, seed: u32| {
         let command = format!("diagnose room.xml {QUICK} --json --threads {threads} --seed {seed}");
@@ -92,7 +92,7 @@ fn the_same_seed_finds_the_same() {
 }
 
 #[test]
-fn what_cannot_be_diagnosed_is_explained() {
+fn invalid_input_is_explained() {
     let place = Workplace::new();
     for (arguments, message) in [
         ("diagnose room.xml --integrator bdpt", "pssmlt"),

@@ -1,8 +1,8 @@
-//! Standard errors that a render gives of itself: do true errors lie where they say?
+//! Calibration of the standard errors that a render estimates of itself.
 //!
-//! Over many seeds, the 95% interval of every pixel is checked against a reference from all other
-//! renders and more: the share of intervals that hold it must be between 90% and 98%. The relMSE that
-//! a render expects of itself is compared with the one it has.
+//! Over many seeds, the 95% interval of every pixel is checked against a reference from more renders: the
+//! fraction of intervals that cover it must be between 90% and 98%. The relMSE that a render estimates of
+//! itself is compared with its true one.
 
 mod common;
 
@@ -18,7 +18,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 const SEEDS: u64 = 40;
 
-/// Share of pixels whose error rests on one part of the samples from which on an image says so.
+/// Fraction of pixels whose error rests on one part of the samples above which a warning is given.
 const TOLD: f64 = 0.05;
 
 /// Images with their error estimates, over seeds.
@@ -57,7 +57,7 @@ fn reference(scene: &Scene, settings: &Settings) -> Vec<[f32; 3]> {
     sums.into_iter().map(mean).collect()
 }
 
-/// Share of pixels and channels whose 95% interval holds the reference.
+/// Fraction of pixels and channels whose 95% interval covers the reference.
 fn coverage(renders: &[(Vec<[f32; 3]>, ErrorEstimate)], reference: &[[f32; 3]]) -> f64 {
     let mut held = Moments::default();
     for (image, error) in renders {
@@ -75,13 +75,13 @@ fn coverage(renders: &[(Vec<[f32; 3]>, ErrorEstimate)], reference: &[[f32; 3]]) 
     held.mean
 }
 
-/// How true the errors of an integrator's images are.
+/// How well estimated errors match true ones.
 struct Calibration {
-    /// Share of 95% intervals that hold the truth.
+    /// Fraction of 95% intervals that cover the truth.
     coverage: f64,
-    /// Expected over true relMSE.
+    /// Estimated over true relMSE.
     ratio: f64,
-    /// Share of pixels, on average, whose error rests on one part of the samples.
+    /// Mean fraction of pixels whose error rests on one part of the samples.
     single: f64,
 }
 
@@ -170,10 +170,10 @@ fn standard_errors_of_metropolis_cover_the_truth() {
     assert_calibrated("scenes/cornell/scene.xml", Integrator::Pssmlt, 128);
 }
 
-/// Light that some images meet and most do not makes estimates too low. The image says so where it can
-/// be seen from within: nearly all variance of a pixel comes from one part of its samples.
+/// Light that few images find makes estimates too low. A warning is given where one render can detect it:
+/// where nearly all variance of a pixel comes from one part of its samples.
 #[test]
-fn errors_that_are_probably_too_low_are_said_to_be() {
+fn errors_that_are_probably_too_low_give_a_warning() {
     for (integrator, spp) in [(Integrator::Bdpt, 16), (Integrator::Pssmlt, 32)] {
         let told = |path: &str| {
             let scene = common::load(path, &[("resx", "48"), ("resy", "36")]);
@@ -196,7 +196,7 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
             &Stability {
                 case: &format!("--error on the pool with {spp} per pixel"),
                 method: integrator.name(),
-                happens: "light that is still to be found is in no estimate: errors are too small"
+                happens: "light that has not been found is in no estimate: errors are too small"
                     .into(),
                 told: pool,
             },
@@ -204,9 +204,9 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
     }
 }
 
-/// `--target-error` ends a render at its error, and sooner for a larger one.
+/// `--target-error` ends a render at the given error, and earlier for a larger one.
 #[test]
-fn a_render_ends_at_the_error_asked_for() {
+fn a_render_ends_at_its_target_error() {
     let scene = common::load(
         "scenes/cornell/scene.xml",
         &[("resx", "24"), ("resy", "18")],
@@ -221,7 +221,7 @@ fn a_render_ends_at_the_error_asked_for() {
             };
             let rendering = render(&scene, &settings, &Unobserved).expect("threads");
             let error = rendering.error.expect("an estimate").relative_mse;
-            // It is looked at after each tenth more samples.
+            // The error is checked each time the samples have grown by a tenth.
             assert!(
                 error <= target && error > 0.6 * target,
                 "{integrator:?}: {error}"
@@ -247,11 +247,11 @@ fn a_render_ends_at_the_error_asked_for() {
     }
 }
 
-/// Where light is rare an interval may be too narrow, but then the image has to say so. Its relMSE hangs
-/// on few bright dots, so it is recorded and not judged. Takes some minutes.
+/// Where light is rarely found intervals may be too narrow, but then there must be a warning. The relMSE
+/// depends on a few bright pixels, so it is recorded but not tested. Takes some minutes.
 #[test]
 #[ignore = "takes minutes: cargo test --release --test error_bars -- --ignored"]
-fn errors_on_hard_scenes_cover_the_truth_or_are_said_to_be_too_low() {
+fn errors_on_hard_scenes_cover_the_truth_or_give_a_warning() {
     for (scene, integrator, spp) in [
         ("rough-glass", Integrator::Bdpt, 64),
         ("pool", Integrator::Pssmlt, 128),

@@ -1,4 +1,4 @@
-//! The film against integrals of its filters, and its files against what was written.
+//! The film against integrals of its filters, and image files against what was written.
 
 use std::ffi::OsString;
 use std::io::{Error, Write};
@@ -20,17 +20,17 @@ const FILTERS: [Filter; 5] = [
     Filter::Tent { radius: 1.0 },
     Filter::Tent { radius: 2.3 },
     Filter::Gaussian { stddev: 0.5 },
-    // Wider than the film: every pixel is at the border.
+    // Wider than the film, so that the border cuts every pixel's filter.
     Filter::Gaussian { stddev: 1.5 },
 ];
 
-/// A picture with a different gradient in every channel; film position in the unit square.
+/// A picture with a different gradient in every channel, over the unit square.
 fn picture([x, y]: [f64; 2]) -> [f64; 3] {
     [1.0 + x, 2.0 * y, 3.0 - x - y]
 }
 
-/// Mean position along one side, weighted by the filter of pixel `j` within the film: a sum over
-/// many points.
+/// Mean position along one axis, weighted by the filter of pixel `j` within the film, by the midpoint
+/// rule.
 fn filtered_position(filter: Filter, j: u32, size: u32) -> f64 {
     let n = 140_000;
     let (mut sum, mut weights) = (0.0, 0.0);
@@ -58,9 +58,9 @@ fn assert_filtered_picture(filter: Filter, image: &Image, tolerance: f64) {
     }
 }
 
-/// The plain mean of a pixel's samples is the integral of the picture times the pixel's filter,
-/// also at the border. The picture is a sum of functions of x and of y, so that evenly spaced random
-/// numbers on a diagonal do for a grid of them: no noise.
+/// The mean of a pixel's samples is the integral of the picture times the pixel's filter, also at the
+/// border. The picture is a sum of functions of x and of y, so that evenly spaced numbers on a diagonal
+/// replace a grid, without noise.
 #[test]
 fn samples_of_a_pixel_average_to_the_filtered_picture() {
     let n = 10_000;
@@ -76,7 +76,7 @@ fn samples_of_a_pixel_average_to_the_filtered_picture() {
                 let value = picture(position.map(f64::from));
                 (0..3).for_each(|c| sum[c] += value[c]);
             }
-            // In two parts, as a driver would in two rounds.
+            // In two parts, like two passes.
             film.add_samples(pixel, sum.map(|s| 0.25 * s), n / 4);
             film.add_samples(pixel, sum.map(|s| 0.75 * s), n - n / 4);
         }
@@ -84,10 +84,11 @@ fn samples_of_a_pixel_average_to_the_filtered_picture() {
     }
 }
 
-/// Splats from all over the film, each a sample of the integral over the unit square, add up to the
-/// same image. Positions on a grid of midpoints, a multiple of both sides so that no box is cut.
+/// Splats on the whole film, each a sample of the integral over the unit square, add up to the same image.
+/// Positions are the midpoints of a grid whose size is a multiple of both sides, so that no pixel cuts a
+/// cell.
 #[test]
-fn splats_from_everywhere_add_up_to_the_filtered_picture() {
+fn splats_add_up_to_the_filtered_picture() {
     let n = 7 * 5 * 20;
     for filter in FILTERS {
         let mut film = Film::new(WIDTH, HEIGHT, filter);
@@ -107,14 +108,14 @@ fn splats_from_everywhere_add_up_to_the_filtered_picture() {
 }
 
 #[test]
-fn samples_and_splats_are_scaled_apart_and_pixels_without_samples_are_black() {
+fn samples_and_splats_are_scaled_separately_and_pixels_without_samples_are_black() {
     let mut film = Film::new(2, 1, Filter::Box);
     film.add_samples(1, [6.0, 9.0, 12.0], 3);
     film.splat(&Splat {
         position: [0.75, 0.5],
         value: Rgb::new(1.0, 2.0, 4.0),
     });
-    // A pixel is half of the unit film: the mean over it is twice its share of the integral.
+    // A pixel is half of the film's unit area, so its mean is twice its part of the integral.
     let image = film.develop(0.5);
     assert_eq!((image.width, image.height), (2, 1));
     assert_eq!(image.pixels, [[0.0; 3], [2.0 + 1.0, 3.0 + 2.0, 4.0 + 4.0]]);
@@ -142,7 +143,7 @@ fn splats_are_added_in_order_for_any_number_of_threads() {
     let logs = random_logs(3);
     let refs: Vec<&SplatLog> = logs.iter().collect();
     for filter in [Filter::Box, Filter::Gaussian { stddev: 0.8 }] {
-        // Too high for one band of rows, and no multiple of it.
+        // Higher than one band of rows, and not a multiple of it.
         let (width, height) = (13, 75);
         let mut one_by_one = Film::new(width, height, filter);
         for splat in logs.iter().flat_map(SplatLog::splats) {
@@ -163,7 +164,7 @@ fn splats_are_added_in_order_for_any_number_of_threads() {
     }
 }
 
-/// Three rows of two pixels, every value different.
+/// Three rows of two pixels, all values different.
 fn small_image() -> Image {
     Image {
         width: 2,
@@ -244,7 +245,7 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
 }
 
 #[test]
-fn writability_is_known_before_writing() {
+fn unwritable_paths_are_detected_before_writing() {
     let directory = tempfile::tempdir().expect("a directory");
     let file = directory.path().join("file");
     check_writable(&file).expect("writable");
@@ -263,7 +264,7 @@ fn writability_is_known_before_writing() {
     }
 }
 
-/// Others may read an image as they may read any new file.
+/// Image files have the permissions of any new file.
 #[cfg(unix)]
 #[test]
 fn files_get_the_usual_permissions() {
@@ -278,9 +279,9 @@ fn files_get_the_usual_permissions() {
     assert_eq!(mode("ours"), mode("usual"));
 }
 
-/// Layers and attributes come back as they were written; what is no number, text or layer is left out.
+/// Layers and attributes are read as they were written; a missing name, or another type, gives `None`.
 #[test]
-fn layers_and_attributes_are_read_again() {
+fn layers_and_attributes_survive_a_round_trip() {
     use metrolight::film::{Decode, read_annotated};
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("a.exr");

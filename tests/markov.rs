@@ -1,8 +1,8 @@
-//! The Markov chain on targets whose distribution is known exactly: a wrong kernel or wrong weights
-//! show here, whatever a renderer would make of them.
+//! Markov chains on targets of exactly known distribution, which detect a wrong kernel and wrong weights
+//! without a renderer.
 //!
-//! Every statistical test has a fixed seed and rejects at p < 1e-4; a correct chain fails one of them
-//! with that probability for a new choice of seeds.
+//! Every statistical test has a fixed seed and rejects at p < 1e-4, the probability with which a correct
+//! chain fails it for a new choice of seeds.
 
 use metrolight::markov::{
     Bootstrap, BootstrapLimits, Chain, SmallStep, Target, systematic_resample,
@@ -15,11 +15,11 @@ use rand::RngExt;
 const ALPHA: f64 = 1e-4;
 
 /// A ridge along the diagonal of (x, y), periodic like the steps, that crosses the edges of the
-/// square; where x < 1/2 a third coordinate z, in another stream, is read and weighed too.
+/// square; for x < 1/2 the density also depends on a third coordinate z in another stream.
 #[derive(Clone, Copy)]
 struct Ridge;
 
-/// x, y, and z where it was read.
+/// x, y, and z if it was read.
 #[derive(Clone, Copy, Default)]
 struct Place {
     x: f32,
@@ -28,7 +28,7 @@ struct Place {
 }
 
 impl Ridge {
-    /// Greatest value of the density.
+    /// Maximum of the density.
     const GREATEST: f64 = 1.05 * 2.0;
 
     fn xy(x: f64, y: f64) -> f64 {
@@ -140,9 +140,9 @@ fn chains_that_start_in_equilibrium_stay_there() {
     }
 }
 
-/// What the weights of a chain's samples estimate, given b and the b_0 of the denominator.
+/// Weighted sums over a chain's samples, given b and the b_0 of the denominator.
 fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64) -> [f64; 3] {
-    // Functions to integrate, positive only where the target is: 1, x, and a corner.
+    // The integrands: 1, x, and the indicator of a corner.
     let functions = |place: &Place| {
         let (x, y) = (f64::from(place.x), f64::from(place.y));
         [1.0, x, if x > 0.8 && y < 0.2 { 1.0 } else { 0.0 }]
@@ -172,8 +172,8 @@ fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64
     sums
 }
 
-/// Null hypothesis: over independent chains in equilibrium the weighted sums have the integrals as
-/// their means, whatever positive b_0 stands in the denominator.
+/// Null hypothesis: over independent chains in equilibrium the mean of the weighted sums is the integral,
+/// for any positive b_0 in the denominator.
 #[test]
 fn weights_integrate_without_bias_for_any_denominator() {
     let n = 2000;
@@ -205,7 +205,7 @@ fn weights_integrate_without_bias_for_any_denominator() {
     }
 }
 
-/// A target without light in most places, NaN in some, and one bright island.
+/// A target that is 1 on a quarter of [0, 1), NaN on another, and 0 elsewhere.
 struct Island;
 
 impl Target for Island {
@@ -223,7 +223,7 @@ impl Target for Island {
 }
 
 #[test]
-fn a_chain_never_enters_what_is_not_finite_or_dark() {
+fn a_chain_never_accepts_zero_or_nonfinite_densities() {
     let start = (0..)
         .map(|i| seeds::generator(1, Purpose::Bootstrap, i))
         .find(|rng| {
@@ -250,7 +250,7 @@ fn a_chain_never_enters_what_is_not_finite_or_dark() {
 }
 
 #[test]
-fn two_chains_from_one_start_share_no_further_number() {
+fn chains_with_the_same_start_have_independent_streams() {
     let start = seeds::generator(1, Purpose::Bootstrap, 0);
     let mut chains: Vec<_> = seeds::chain_generators(1, 2)
         .into_iter()
@@ -266,7 +266,7 @@ fn two_chains_from_one_start_share_no_further_number() {
             .iter_mut()
             .map(|chain| chain.step(&mut Ridge).contribution.x)
             .collect();
-        // An accepted proposal hands out the start, which both share.
+        // After an acceptance the sample is the common start.
         assert!(proposals[0] != proposals[1] || proposals[0] == begun[0]);
     }
 }
@@ -308,14 +308,14 @@ fn the_bootstrap_stops_when_b_is_known_and_does_not_depend_on_threads() {
         ..limits
     };
     assert_eq!(bootstrap(at_most).moments.count, 777);
-    // Sample i can be made again.
+    // Sample i can be reproduced.
     let mut point = FreshCoordinates::new(a.generator(123));
     let again = Ridge.evaluate(&mut point, &mut Place::default());
     assert_eq!(again, a.densities[123]);
 }
 
 #[test]
-fn resampling_is_proportional_and_never_chooses_darkness() {
+fn resampling_is_proportional_and_never_chooses_zero_weights() {
     let weights = [0.0, 1.0, 0.0, 2.5, 0.5, 0.0];
     for u in [0.0, 0.3, 0.999_999] {
         let chosen = systematic_resample(&weights, 80, u);

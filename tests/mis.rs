@@ -1,7 +1,7 @@
-//! The O(1) weights against a slow reference that multiplies out the density of every technique.
+//! The O(1) MIS weights against a slow reference that multiplies out the density of every technique.
 //!
-//! The reference sees a whole path at once and shares nothing with the recursion but the densities
-//! of single steps. Its weights sum to 1 by construction; so do the fast ones if they are equal.
+//! The reference evaluates whole paths and shares only the densities of single steps with the recursion.
+//! Its weights sum to 1 by construction, and so do the fast ones if they are equal.
 
 mod common;
 #[path = "mis/random.rs"]
@@ -21,7 +21,7 @@ use random::random_scene;
 
 /// The end of a path on an emitter.
 struct Emitter {
-    /// `None` at infinity, where `direction` counts.
+    /// `None` for infinite emitters, which have only `direction`.
     position: Option<Vec3A>,
     /// Unit, from x_1 to x_0.
     direction: Vec3A,
@@ -75,8 +75,8 @@ impl WholePath<'_> {
         f64::from((self.position(i) - self.position(j)).length_squared())
     }
 
-    /// Densities at x_i, per steradian, of going on to the light and to the camera, and whether the
-    /// path takes a delta lobe there.
+    /// Densities at x_i, per steradian, of sampling the direction to the light and to the camera, and
+    /// whether the path takes a delta lobe there.
     fn step(&self, i: usize) -> (f64, f64, bool) {
         let (surface, material) = &self.surfaces[i - 1];
         let material = &self.scene.materials[*material as usize];
@@ -99,16 +99,16 @@ impl WholePath<'_> {
         (f64::from(s.pdf_to_light), f64::from(s.pdf_to_camera), false)
     }
 
-    /// Density of technique `s`, in the product of native measures; `None` if it cannot make the
+    /// Density of technique `s`, in the product of native measures; `None` if it cannot sample the
     /// path.
     fn density(&self, s: usize) -> Option<f64> {
         let k = self.edges();
         let t = k + 1 - s;
-        // The only technique for emitters seen directly; no lens is ever hit.
+        // Directly visible emitters are left to s = 0, and no path hits the lens.
         if t == 0 || (k == 1 && s > 0) || (s == 0 && !self.emitter.can_be_hit) {
             return None;
         }
-        // Both ends of the connecting edge must scatter by lobes that are not delta.
+        // Neither end of the connecting edge may scatter by a delta lobe.
         let joins = |i: usize| i == 0 || i == k || !self.step(i).2;
         if s > 0 && !(joins(s - 1) && joins(s)) {
             return None;
@@ -173,7 +173,7 @@ impl WholePath<'_> {
     }
 }
 
-/// Rebuilds the whole path of a connection from the subpaths and the numbers that made it.
+/// Rebuilds the path of a connection from the subpaths and the random numbers that generated it.
 fn whole_path<'a>(
     scene: &'a Scene,
     technique: Technique,
@@ -274,7 +274,7 @@ fn emitting(scene: &Scene, first: Vec3A, point: &mut HashedPoint) -> Emitter {
     }
 }
 
-/// Compares all connections of `samples` pairs of subpaths; returns how many of each technique.
+/// Compares all connections of `samples` pairs of subpaths; returns the number of each technique.
 fn compare(scene: &Scene, heuristic: Heuristic, samples: u64) -> BTreeMap<(usize, usize), u32> {
     let mut workspace = Workspace::default();
     let mut seen = BTreeMap::new();
@@ -306,7 +306,7 @@ fn compare(scene: &Scene, heuristic: Heuristic, samples: u64) -> BTreeMap<(usize
     seen
 }
 
-/// For more scenes see `tests/properties.rs`.
+/// A quarter of the usual number of cases; `tests/properties.rs` says how to try more.
 fn scenes() -> ProptestConfig {
     let config = ProptestConfig::default();
     ProptestConfig {
@@ -319,8 +319,8 @@ fn scenes() -> ProptestConfig {
 proptest! {
     #![proptest_config(scenes())]
 
-    /// As below, for any scene. That the weights of all techniques sum to 1, none of them negative,
-    /// follows: those of the reference do.
+    /// As below, for random scenes. It follows that the weights of all techniques sum to 1 and are not
+    /// negative, as those of the reference.
     #[test]
     fn weights_equal_the_reference_in_any_scene(
         u in prop::collection::vec(0.0f32..1.0, 40),

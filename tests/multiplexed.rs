@@ -1,5 +1,5 @@
-//! Multiplexed paths: one technique alone makes the very path that bidirectional path tracing makes by
-//! it from the same point of the hypercube.
+//! Multiplexed techniques: one technique alone makes the same path from a point of the hypercube as
+//! bidirectional path tracing makes by it.
 
 mod common;
 
@@ -13,7 +13,7 @@ use metrolight::sampling::{Coordinates, Stream};
 use metrolight::scene::Scene;
 use metrolight::technique::Connection;
 
-/// What a connection gives: film position, value and weight, to the bit.
+/// Film position, value and weight of a connection, bit for bit.
 type Bits = (Option<[u32; 2]>, [u32; 3], u32);
 
 fn bits(connection: &Connection) -> Bits {
@@ -24,7 +24,7 @@ fn bits(connection: &Connection) -> Bits {
     (film, value, connection.weight.to_bits())
 }
 
-/// All that bidirectional path tracing makes of a point, by technique.
+/// All connections that bidirectional path tracing makes from a point, by technique.
 fn all(scene: &Scene, seed: u64) -> HashMap<Technique, Bits> {
     let mut point = HashedPoint::new(seed);
     let film = Vec2::from(point.read::<2>(Stream::Camera, 0));
@@ -37,7 +37,7 @@ fn all(scene: &Scene, seed: u64) -> HashMap<Technique, Bits> {
     found
 }
 
-/// The same by one technique alone.
+/// The connection of one technique alone.
 fn alone(scene: &Scene, seed: u64, technique: Technique) -> Option<Bits> {
     let mut point = HashedPoint::new(seed);
     let film = Vec2::from(point.read::<2>(Stream::Camera, 0));
@@ -85,7 +85,7 @@ fn a_technique_alone_makes_the_path_that_it_makes_among_others() {
             assert!(found.keys().all(possible), "{path}, point {seed}");
         }
         let tried = with_light.values().filter(|&&count| count > 20).count();
-        println!("{path}: {tried} techniques have brought light");
+        println!("{path}: {tried} techniques carry light");
         assert!(tried >= 10, "{path}: {with_light:?}");
     }
 }

@@ -1,16 +1,16 @@
 //! The light transport operator of a diffuse room, discretised and solved, against the renderer.
 //!
 //! Radiance obeys L = Le + T L (Kajiya 1986; Veach 1997, section 4.3), so L = Le + T Le + T^2 Le + ...,
-//! and paths of at most k edges carry the first k terms. Between diffuse patches T is a matrix of
-//! albedos and form factors. These are found in closed form, with what a block hides cut out of them:
-//! no ray is traced, no number is random, and nothing but the room's corners and colours is shared with
-//! the renderer. Its error falls as the square of the patches' size; two sizes give the limit
-//! (Richardson 1911).
+//! and paths of at most k edges carry the first k terms. Between diffuse patches T is a matrix of albedos
+//! and form factors. The form factors are computed in closed form, with the part occluded by a block
+//! clipped away: without rays or random numbers, and sharing only the room's geometry and colours with
+//! the renderer. The error is proportional to the square of the patch size; two sizes give the limit by
+//! extrapolation (Richardson 1911).
 //!
 //! Null hypothesis, for every tile, channel, depth and integrator: the mean over independent seeds is
-//! that limit, give or take what is known of its error. Student's test for each, and one for the whole
-//! of each image; Holm's correction over all. A correct program fails with probability ALPHA for a
-//! new choice of seeds.
+//! that limit, within the known bound on its error. Student's test for each, and for the whole of each
+//! image; Holm's correction over all. A correct program fails with probability ALPHA for a new choice of
+//! seeds.
 
 mod common;
 
@@ -35,22 +35,22 @@ use Integrator::{Bdpt, Path, Pssmlt};
 const ALPHA: f64 = 1e-3;
 const SEEDS: u64 = 32;
 
-/// Radiance that is exactly 0, but for the rounding of the oracle.
+/// Radiance below this is 0 up to the rounding of the reference.
 const DARK: f64 = 1e-12;
 
 const DEPTHS: [Option<u32>; 6] = [Some(1), Some(2), Some(3), Some(4), Some(6), None];
 
-/// How finely the room is solved, and how far from the truth the limit may then be.
+/// Resolution of the solution, and bounds on the relative error of its limit.
 struct Precision {
     /// Patches along the width of the room.
     patches: [usize; 2],
-    /// Of any tile, relatively: the worst are dark ones along the foot of the block.
+    /// Of any tile; the worst are dark ones along the foot of the block.
     tile_error: f64,
     /// Of a whole image.
     image_error: f64,
 }
 
-/// The errors are bounds on the difference to [`FINE`].
+/// The errors bound the difference to [`FINE`].
 const COARSE: Precision = Precision {
     patches: [8, 16],
     tile_error: 3e-3,
@@ -63,10 +63,10 @@ const FINE: Precision = Precision {
     image_error: 2.5e-4,
 };
 
-/// Points along each side of a tile that its mean is made of.
+/// Points along each side of a tile over which its mean is taken.
 const POINTS: u32 = 6;
 
-/// By tile and depth, the limit of two solutions whose errors are as 4 to 1.
+/// The limit of two solutions, whose errors have the ratio 4 to 1, by tile and depth.
 fn limit(view: &View, [coarse, fine]: [&Solution; 2], points: u32) -> Vec<Vec<Color>> {
     let [coarse, fine] = [coarse, fine].map(|s| view.tile_means(s, &DEPTHS, points));
     let extrapolate = |c: &[Color], f: &[Color]| -> Vec<Color> {
@@ -79,19 +79,19 @@ fn limit(view: &View, [coarse, fine]: [&Solution; 2], points: u32) -> Vec<Vec<Co
         .collect()
 }
 
-/// A mean, what it should be, and where.
+/// The mean of a tile or image and its true value.
 struct Comparison {
     name: String,
     found: Moments,
     truth: f64,
-    /// Relative error that the truth may have.
+    /// Relative error allowed for the truth.
     slack: f64,
     whole_image: bool,
 }
 
 impl Comparison {
     fn p_value(&self) -> f64 {
-        // Light of exactly 0, such as direct light on the lamp's own plane.
+        // Exactly 0, such as direct light on the lamp's own plane.
         if self.truth < DARK {
             return if self.found.mean == 0.0 { 1.0 } else { 0.0 };
         }
@@ -234,17 +234,17 @@ fn report(case: &str, comparisons: &[Comparison]) {
     );
 }
 
-/// Form factors from a point add up to 1 in a closed room; they are exact but for rounding.
+/// Form factors from a point sum to 1 in a closed room, up to rounding.
 #[test]
 fn form_factors_add_up() {
     let error = Solution::new(8).closure_error();
     assert!(error < 1e-12, "{error:e}");
 }
 
-/// Twice as many patches and points move the limit by no more than is allowed for.
+/// Twice as many patches and points change the limit by no more than the stated bounds.
 #[test]
 #[ignore = "takes two minutes"]
-fn the_limit_is_reached() {
+fn the_limit_has_the_stated_accuracy() {
     let [coarse, fine] = COARSE.patches.map(Solution::new);
     let finest = Solution::new(FINE.patches[1]);
     let (mut tile_error, mut image_error) = (0.0_f64, 0.0_f64);

@@ -1,5 +1,5 @@
-//! f32: neither the size of a scene nor its place shows, and no light leaks or is lost at grazing angles,
-//! where surfaces touch, or among triangles without area.
+//! Precision of f32: images do not depend on the size and position of a scene, and no light leaks or is
+//! lost at grazing angles, where surfaces touch, or among triangles without area.
 //!
 //! Statistical tests reject at ALPHA after Holm's correction: a correct program fails a comparison with
 //! that probability for a new choice of seeds.
@@ -20,7 +20,7 @@ use Integrator::{Bdpt, Light, Path, Pssmlt};
 
 const ALPHA: f64 = 1e-4;
 
-/// Records what was found.
+/// Records a row of the table of accuracy.
 fn row(case: &str, found: impl Into<String>, demanded: impl Into<String>) {
     let (found, demanded) = (found.into(), demanded.into());
     record(
@@ -60,8 +60,8 @@ fn ball(n: u32) -> TriangleMesh {
     mesh
 }
 
-/// A closed room, in it a lamp, a ball of glass whose caustic falls on the floor, a
-/// smooth mesh and a crate that stands exactly on the floor.
+/// A closed room with a lamp, a ball of glass whose caustic falls on the floor, a smooth mesh, and a box
+/// exactly on the floor.
 fn room() -> SceneBuilder {
     let (from, to) = (DVec3::new(0.0, 1.2, 1.9), DVec3::new(0.0, 0.5, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 55.0, [24, 18]).depth(5);
@@ -79,10 +79,10 @@ fn room() -> SceneBuilder {
     builder
 }
 
-/// Null hypothesis, per tile: a room as it is, a thousandth and a thousand times its size, and moved by
-/// a million times its size look the same.
+/// Null hypothesis, per tile: scaling a room by 1e-3 and 1e3, or moving it by 1e6 times its size, does not
+/// change its image.
 #[test]
-fn neither_size_nor_place_shows() {
+fn images_do_not_depend_on_size_and_position() {
     for (integrator, spp) in [(Path, 64), (Light, 64), (Bdpt, 24), (Pssmlt, 48)] {
         let seen =
             |builder: SceneBuilder, group| tiles(&builder.build(), integrator, spp, (group, 8), 6);
@@ -118,7 +118,7 @@ fn neither_size_nor_place_shows() {
     }
 }
 
-/// The room without its lamp, under a sky: not one path may meet it. The walls are thin as paper.
+/// The room without its lamp, under environment light that no path may reach. The walls have no thickness.
 #[test]
 fn closed_rooms_stay_dark() {
     for (name, scale, offset) in [
@@ -143,13 +143,13 @@ fn closed_rooms_stay_dark() {
     );
 }
 
-/// Light that comes nearly along a floor: L = rho/pi E cos.
+/// Light nearly parallel to a floor: L = rho/pi E cos.
 #[test]
 fn grazing_light() {
     let rho = 0.5;
     let turn = DMat4::from_rotation_z(0.4) * DMat4::from_rotation_x(0.3);
     for slope in [1e-1, 1e-3, 1e-5] {
-        // In the plane y = 0, where a normal is exact, and turned, where it is one to 1e-7.
+        // In the plane y = 0, where the normal is exact, and rotated, where it has an error of 1e-7.
         for (turn, rounding) in [(DMat4::IDENTITY, 1e-5), (turn, 1e-5 + 3e-7 / slope)] {
             let place = |p: DVec3| turn.transform_point3(p);
             let (from, to) = (DVec3::Y * 3.0, DVec3::ZERO);
@@ -178,7 +178,7 @@ fn grazing_light() {
             }
             for integrator in [Light, Pssmlt] {
                 let name = format!("slope {slope}, {}", integrator.name());
-                // At such slopes one start in 1e5 meets the floor.
+                // At smaller slopes one light subpath in 1e5 hits the floor.
                 if slope > 1e-2 {
                     assert_mean(
                         &name,
@@ -198,7 +198,7 @@ fn grazing_light() {
     );
 }
 
-/// A small ball that shines, low over a floor: E = pi L (r/d)^2 cos while it is above the horizon.
+/// A small spherical lamp low over a floor: E = pi L (r/d)^2 cos while it is above the horizon.
 #[test]
 fn a_low_lamp() {
     let (rho, r) = (0.5, 0.01);
@@ -215,13 +215,14 @@ fn a_low_lamp() {
             let name = format!("height {height}, {}", integrator.name());
             let moments = means(&scene, integrator, spp, 8);
             println!("{name}: {} {truth}", moments.mean);
-            // The image is 0.003 wide, over which the light varies by 1e-4 of itself at most.
+            // Over the width of the image, 0.003, irradiance varies by at most 1e-4, relative.
             assert_mean(&name, &moments, truth, 1e-4, ALPHA);
         }
     }
 }
 
-/// A camera that looks nearly along a floor under a sky sees rho, to the last pixel.
+/// A camera that looks nearly along a floor of albedo rho under environment light 1 sees rho in every
+/// pixel.
 #[test]
 fn grazing_views() {
     for (height, slope, near) in [(1e-1, 0.1, 1e-3), (1e-3, 1e-2, 1e-4), (1e-4, 1e-3, 1e-4)] {
@@ -233,7 +234,7 @@ fn grazing_views() {
         builder.sky(1.0);
         builder.near_clip = near;
         let scene = builder.build();
-        // No light subpath from the sky is likely to meet what is seen.
+        // Light tracing is left out: light subpaths hardly ever hit the visible part of the floor.
         for integrator in [Path, Bdpt, Pssmlt] {
             let name = format!("height {height}, slope {slope}, {}", integrator.name());
             let spp = if integrator == Path { 64 } else { 400 };
@@ -241,14 +242,14 @@ fn grazing_views() {
         }
     }
     row(
-        "a floor seen at slopes of 0.1, 0.01 and 1e-3, from as near as 1e-4",
+        "a floor seen at slopes of 0.1, 0.01 and 1e-3, from heights down to 1e-4",
         "radiance rho L",
         "a t-test at 1e-4, or rounding of 1e-5",
     );
 }
 
-/// Two floors in one place, cut into different triangles, and a third that overlaps them, in an oblique
-/// plane where each is rounded in its own way: under a sky the floor of albedo rho shows rho.
+/// Coincident floors, cut into different triangles, and overlapping ones, in an oblique plane where each is
+/// rounded differently: under environment light 1 the floor of albedo rho has radiance rho.
 #[test]
 fn coincident_faces_of_one_material() {
     let tilt = DMat4::from_rotation_z(0.4) * DMat4::from_rotation_x(0.3);
@@ -273,10 +274,10 @@ fn coincident_faces_of_one_material() {
     }
 }
 
-/// All that stands here absorbs nothing: it must show the sky. A ball of glass touches the floor in one
-/// point, a crate stands on it, a white ball is half sunk into it and touches the crate.
+/// A white furnace: lossless objects under environment light 1 have radiance 1. A ball of glass touches the
+/// floor in one point, a box stands on it, and a white ball is half sunk into it and touches the box.
 #[test]
-fn a_white_furnace_of_things_that_touch() {
+fn a_white_furnace_of_touching_objects() {
     let (from, to) = (DVec3::new(0.3, 1.0, 2.5), DVec3::new(0.0, 0.2, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 45.0, [12, 9]);
     let white = builder.diffuse_sheet(1.0);
@@ -299,7 +300,8 @@ fn a_white_furnace_of_things_that_touch() {
     }
 }
 
-/// A block of water under a sky, in it a ball of air, and in that, `gap` from its surface, one of glass.
+/// A block of water under environment light; in it a ball of air, and in that, at a distance of `gap`, a
+/// ball of glass.
 fn ball_in_cavity(gap: f64) -> Scene {
     let mut builder = SceneBuilder::seen(DVec3::new(0.3, 1.0, 4.5), DVec3::ZERO, 25.0, [12, 9]);
     let [water, cavity, glass] = [1.33, 1.0 / 1.33, 1.5].map(|eta| builder.glass(eta));
@@ -321,10 +323,10 @@ fn block_on_floor(gap: f64) -> Scene {
     builder.build()
 }
 
-/// Glass beside water, and glass on a floor, with a gap. A ray starts 5e-7 to 1.5e-5 of the scene's radius
-/// off the surface that it leaves: what is nearer than that is passed over. From 1e-5 on (here the radii
-/// are 1.7 and 4.2, and the things stand near their centres) all is right; below, the medium is
-/// mistaken, but numbers stay numbers, and nothing is off by more than a fifth.
+/// A gap between glass and water, and between glass and a floor. A ray starts 5e-7 to 1.5e-5 of the
+/// scene's radius off the surface that it leaves, and misses any surface closer than that. For gaps from
+/// 1e-5 on (the radii are 1.7 and 4.2, and the objects are near the centres) images are right; for
+/// smaller gaps the medium is wrong, but all values are finite, and the error is at most a fifth.
 #[test]
 fn narrow_gaps() {
     for (integrator, spp) in [(Path, 128), (Bdpt, 32)] {
@@ -334,7 +336,7 @@ fn narrow_gaps() {
             let moments = means(&ball_in_cavity(gap), integrator, spp, 8);
             assert_mean(&name, &moments, 1.0, 1e-5, ALPHA);
             let narrow = tiles(&block_on_floor(gap), integrator, 4 * spp, (2, 8), 12);
-            // A gap of 1e-2 is seen: it makes 0.0005 of 0.685.
+            // A gap of 1e-2 changes the image: by 0.0005 of 0.685.
             assert_same_image(&name, [&wide, &narrow], 2e-3, ALPHA);
         }
         for gap in [1e-6, 1e-7, 0.0] {
@@ -351,7 +353,7 @@ fn narrow_gaps() {
                         method: "path",
                         happens: format!(
                             "brightness {ball:.3} and {block:.3} of the true one: the second \
-                             surface is passed over. Right from 1.5e-5 of the scene's radius on"
+                             surface is missed. Right from 1.5e-5 of the scene's radius on"
                         ),
                         told: "nothing".into(),
                     },
@@ -361,8 +363,8 @@ fn narrow_gaps() {
     }
 }
 
-/// Triangles without area, of repeated corners or of three on a line, are left out: the image is the same
-/// to the bit. Slivers that lie within other triangles make it no different. On a lamp, too.
+/// Triangles without area, with repeated or collinear corners, are left out: the image is identical bit for
+/// bit. Slivers within other triangles do not change it either. The same holds on lamps.
 #[test]
 fn triangles_without_area() {
     let scene = |points: usize, slivers: usize, flat: bool| {
@@ -382,7 +384,7 @@ fn triangles_without_area() {
                     .push([[a, a, a], [a, a, b], [a, b, a], [b, a, a]][i as usize % 4]);
             }
             for i in 0..slivers as u32 {
-                // Along an edge of a triangle, thinner than f32 can tell at the scale of the scene.
+                // Within a triangle, thinner than the resolution of f32 at the scale of the scene.
                 let [a, b, c] = mesh.triangles[(5 * i % whole) as usize];
                 let [p, q, r] =
                     [a, b, c].map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)));
@@ -406,7 +408,7 @@ fn triangles_without_area() {
     for flat in [true, false] {
         let (plain, with_points, with_slivers) =
             (scene(0, 0, flat), scene(40, 0, flat), scene(0, 40, flat));
-        // At the poles of a ball the other half of each patch has no area already.
+        // At the poles of a ball one half of each patch has no area.
         let left_out = plain.geometry.degenerate_count();
         assert_eq!(with_points.geometry.degenerate_count(), left_out + 80);
         for (integrator, spp) in [(Path, 64), (Light, 64), (Bdpt, 24), (Pssmlt, 48)] {

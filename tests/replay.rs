@@ -1,4 +1,5 @@
-//! Samples that are made again: what was not finite is shown by the command line that a render prints.
+//! Replay of single samples: the command lines that a render prints reproduce contributions that are not
+//! finite.
 
 mod common;
 
@@ -13,7 +14,7 @@ fn metrolight() -> Command {
     Command::cargo_bin("metrolight").expect("the binary")
 }
 
-/// The command lines that a render of the overflowing scene prints, without the program's name.
+/// The command lines printed by a render of the overflowing scene, without the program's name.
 fn printed(integrator: &str, more: &[&str]) -> Vec<Vec<String>> {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let image = directory.path().join("a.exr");
@@ -46,8 +47,8 @@ fn printed(integrator: &str, more: &[&str]) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn every_printed_command_shows_what_was_not_finite() {
-    // Of a small bootstrap most samples are finite, so that chains meet some of the others.
+fn every_printed_command_reproduces_a_nonfinite_contribution() {
+    // Most samples of a small bootstrap are finite, so that chains encounter the others.
     let with_chains = ["--bootstrap", "20", "--large-step-probability", "0.4"];
     let cases: [(&str, &[&str], &str); 5] = [
         ("bdpt", &[], "pass="),
@@ -79,13 +80,13 @@ fn every_printed_command_shows_what_was_not_finite() {
         &Stability {
             case: "contributions beyond f32 (a lamp of 3.3e38)",
             method: "light, bdpt, pssmlt, mmlt",
-            happens: "the image stays finite; every printed command line makes its sample again".into(),
+            happens: "the image stays finite; every printed command line reproduces its sample".into(),
             told: "N contributions were NaN, infinite or negative and have been left out; not finite: metrolight replay ...".into(),
         },
     );
 }
 
-/// With one sample per pixel the image of a path tracer is its samples.
+/// With one sample per pixel each pixel of a path tracer is one sample.
 #[test]
 fn a_replayed_pixel_is_the_pixel() {
     let scene = common::load(
@@ -117,7 +118,7 @@ fn a_replayed_pixel_is_the_pixel() {
 }
 
 #[test]
-fn what_no_render_made_cannot_be_made_again() {
+fn samples_outside_the_render_cannot_be_replayed() {
     let scene = common::load("scenes/cornell/scene.xml", &[("resx", "4"), ("resy", "3")]);
     let run = |integrator, origin: &str| {
         let origin: Origin = origin.parse().expect("an origin");

@@ -1,4 +1,4 @@
-//! Techniques as images: their sum is the image, and `metrolight strategies` shows them.
+//! Images of single techniques: they sum to the render, and `metrolight strategies` writes them.
 
 mod common;
 
@@ -38,8 +38,8 @@ fn found(scene: &Scene, threads: usize) -> Strategies {
     strategies(scene, &settings(threads), &Unobserved).expect("images")
 }
 
-/// To the rounding of sums in 32 bits: the render adds the techniques of one sample so. Filters wider
-/// than a pixel, splats, specular surfaces and lost light are all there.
+/// Equal up to the rounding of f32, in which the render adds the techniques of one sample. The scenes have
+/// filters wider than a pixel, splats, specular surfaces and lost light.
 #[test]
 fn weighted_images_add_up_to_the_render_of_the_same_samples() {
     let place = Workplace::new();
@@ -80,8 +80,8 @@ fn images_do_not_depend_on_the_threads() {
     assert_eq!(found(&scene, 1).images, found(&scene, 3).images);
 }
 
-/// A glass sphere on a floor, by paths of 4 edges: the floor seen through the sphere is found by next
-/// event estimation, the sphere's caustic by t = 1, both by hits on the lamp, and nothing by joins.
+/// A glass sphere on a floor, paths of 4 edges: next event estimation finds the floor seen through the
+/// sphere, t = 1 finds the sphere's caustic, s = 0 finds both, and connections of subpaths nothing.
 #[test]
 fn techniques_find_what_they_can() {
     let place = Workplace::new();
@@ -112,7 +112,7 @@ fn techniques_find_what_they_can() {
 }
 
 #[test]
-fn a_directory_of_images_and_two_sheets_are_written() {
+fn images_and_two_contact_sheets_are_written() {
     let place = Workplace::new();
     place
         .run("strategies room.xml -o made/here --spp 4 --max-depth 3 --seed 9 --exposure -1")
@@ -141,7 +141,7 @@ fn a_directory_of_images_and_two_sheets_are_written() {
         assert!(image::load_from_memory(&png).expect("a PNG").width() >= 620);
     }
 
-    // The same samples as a render's.
+    // The samples are those of a render.
     place
         .run("render room.xml -q --integrator bdpt --spp 4 --max-depth 3 --seed 9")
         .assert()
@@ -162,7 +162,7 @@ fn a_directory_of_images_and_two_sheets_are_written() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said() {
+fn invalid_input_is_explained() {
     let place = Workplace::new();
     place
         .run("strategies --help")

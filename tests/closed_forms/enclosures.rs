@@ -1,6 +1,5 @@
-//! Furnaces: inside a closed surface that shines with radiance 1 and reflects rho, the radiance is
-//! 1 + rho + rho^2 + ... everywhere, whatever the shape of the enclosure and whatever lossless things
-//! stand in it.
+//! Furnaces: inside a closed surface that emits radiance 1 and has albedo rho, the radiance is
+//! 1 + rho + rho^2 + ... everywhere, for any shape of the enclosure and any lossless objects in it.
 
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
@@ -16,7 +15,7 @@ const WHITE: u32 = 1;
 
 const DIFFUSE: Material = Material::Diffuse { reflectance: WALL };
 
-/// A metal that reflects all light, or the share of it that a texture says.
+/// A mirror with the reflectance of a texture.
 fn mirror(specular_reflectance: u32) -> Material {
     Material::Conductor {
         eta: Rgb::ZERO,
@@ -39,8 +38,8 @@ fn radiance(rho: f64, depth: Option<u32>) -> f64 {
     (1.0 - left) / (1.0 - rho)
 }
 
-/// The inside of a shining sphere, whose texture [`WALL`] is `rho`. With a second material a ball of
-/// it fills the view.
+/// The inside of an emitting sphere whose texture [`WALL`] is `rho`. If there is a second material, a ball
+/// of it fills the view.
 fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
     let fov_x = if materials.len() > 1 { 35.0 } else { 70.0 };
     let mut shapes = vec![ShapeDescription {
@@ -72,8 +71,8 @@ fn compare(truths: &mut Truths, rho: f64, depth: Option<u32>, methods: &[Integra
     truths.render(&name, &scene, methods, spp, radiance(rho, depth));
 }
 
-/// Walls of 99% make paths of some hundred edges, and one sample of bidirectional path tracing joins
-/// them in ten thousand ways: that takes an ignored test.
+/// Walls of albedo 0.99 make paths of some hundred edges, for which one sample of bidirectional path
+/// tracing has ten thousand connections: the ignored test below covers it.
 #[test]
 fn diffuse_walls() {
     let mut truths = Truths::default();
@@ -98,7 +97,7 @@ fn very_white_diffuse_walls_by_bidirectional_methods() {
     );
 }
 
-/// Mirrors that shine reflect only themselves; no light subpath can be joined to them.
+/// Emitting mirrors reflect only themselves; no light subpath connects to them.
 #[test]
 fn mirroring_walls() {
     let mut truths = Truths::default();
@@ -116,7 +115,7 @@ fn mirroring_walls() {
     truths.settle("closed form", "furnace of mirroring walls");
 }
 
-/// What loses nothing.
+/// Materials without absorption.
 fn lossless() -> [(&'static str, Material); 5] {
     [
         ("mirror", mirror(WHITE)),
@@ -127,7 +126,7 @@ fn lossless() -> [(&'static str, Material); 5] {
     ]
 }
 
-/// A ball that loses nothing is invisible between shining walls.
+/// A lossless ball is invisible between emitting walls.
 #[test]
 fn lossless_contents() {
     let mut truths = Truths::default();
@@ -142,9 +141,10 @@ fn lossless_contents() {
     );
 }
 
-/// And under an even sky: what refraction adds to radiance on entering it takes away on leaving.
+/// Under constant environment light, refraction scales radiance on entering a ball and undoes it on
+/// leaving.
 #[test]
-fn lossless_balls_under_an_even_sky() {
+fn lossless_balls_under_a_constant_environment() {
     let mut truths = Truths::default();
     for (name, ball) in lossless() {
         let scene = SceneBuilder {
@@ -161,5 +161,8 @@ fn lossless_balls_under_an_even_sky() {
         .build();
         truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, 0.8);
     }
-    truths.settle("closed form", "a ball of mirror or glass under an even sky");
+    truths.settle(
+        "closed form",
+        "a ball of mirror or glass under a constant environment",
+    );
 }

@@ -1,6 +1,6 @@
-//! A point light inside a diffuse sphere. Every part of a sphere lights all others equally, so light
-//! reflected once is even all over, whatever the direct light (Walsh 1958, "Photometry"): with flux
-//! Phi into a sphere of area A, radiance is
+//! A point light inside a diffuse sphere. Every part of a sphere illuminates all others equally, so light
+//! reflected once is uniform for any direct light (Walsh 1958, "Photometry"): with flux Phi into a sphere
+//! of area A, radiance is
 //!
 //!   rho/pi (E_direct + Phi/A (rho + rho^2 + ...)).
 
@@ -41,7 +41,7 @@ fn reflected_irradiance(intensity: f64, rho: f64, depth: Option<u32>) -> f64 {
     even * rho * (1.0 - terms) / (1.0 - rho)
 }
 
-/// The wall next to a lamp that is off centre.
+/// The wall near an off-centre lamp.
 #[test]
 fn direct_and_reflected_light() {
     let mut truths = Truths::default();
@@ -76,8 +76,8 @@ fn direct_and_reflected_light() {
     );
 }
 
-/// With the lamp at the centre all of the wall has one colour. The luminance of the image is b, by the
-/// statistics of the chains and in the image itself, and by the other integrators.
+/// With the lamp at the centre the wall has a single colour. The luminance of the image is b, both in the
+/// statistics of Metropolis and in the images of all integrators.
 #[test]
 fn brightness_of_a_known_image() {
     let rho = [0.3_f32, 0.6, 0.9];

@@ -1,4 +1,4 @@
-//! What several integration tests share.
+//! Code that several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
 pub mod comparison;
@@ -30,14 +30,15 @@ pub fn load(path: &str, defines: &[(&str, &str)]) -> Scene {
         .expect("a scene of the repository")
 }
 
-/// A point of the hypercube whose coordinates are a hash of where they stand: it can be read again.
+/// A point of the hypercube whose coordinates are a hash of their address, so that reading them again
+/// gives the same values.
 #[derive(Clone, Debug)]
 pub struct HashedPoint {
     seed: u64,
 }
 
 impl HashedPoint {
-    /// Another point for each seed.
+    /// A different point for each seed.
     pub fn new(seed: u64) -> Self {
         Self { seed }
     }

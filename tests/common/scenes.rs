@@ -77,13 +77,13 @@ impl SceneBuilder {
         self.materials.len() as u32 - 1
     }
 
-    /// Diffuse on the front, black behind.
+    /// Adds a material that is diffuse on the front and black on the back.
     pub fn diffuse(&mut self, albedo: f32) -> u32 {
         let reflectance = self.grey(albedo);
         self.material(Material::Diffuse { reflectance })
     }
 
-    /// Diffuse on both sides.
+    /// Adds a material that is diffuse on both sides.
     pub fn diffuse_sheet(&mut self, albedo: f32) -> u32 {
         let reflectance = self.grey(albedo);
         let side = Box::new(Material::Diffuse { reflectance });
@@ -93,7 +93,7 @@ impl SceneBuilder {
         })
     }
 
-    /// A smooth interface that absorbs nothing; `eta` is the index inside over outside.
+    /// Adds a smooth dielectric without absorption; `eta` is the index inside over outside.
     pub fn glass(&mut self, eta: f32) -> u32 {
         let white = self.grey(1.0);
         self.material(Material::Dielectric {
@@ -133,13 +133,13 @@ impl SceneBuilder {
         self.shapes.last_mut().expect("it has just been added")
     }
 
-    /// A sphere.
+    /// Adds a sphere.
     pub fn sphere(&mut self, center: DVec3, radius: f64, material: u32) -> &mut ShapeDescription {
         let geometry = ShapeGeometry::Sphere { center, radius };
         self.shape(geometry, DMat4::IDENTITY, material)
     }
 
-    /// A mesh.
+    /// Adds a mesh.
     pub fn mesh(
         &mut self,
         mesh: TriangleMesh,
@@ -149,7 +149,7 @@ impl SceneBuilder {
         self.shape(ShapeGeometry::Mesh(mesh), to_world, material)
     }
 
-    /// A horizontal square of half-width `half` around `center` that faces up.
+    /// Adds a horizontal square of half-width `half` around `center` that faces up.
     pub fn floor(&mut self, center: DVec3, half: f64, material: u32) -> &mut ShapeDescription {
         let to_world = DMat4::from_translation(center)
             * DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2)
@@ -157,7 +157,7 @@ impl SceneBuilder {
         self.mesh(TriangleMesh::rectangle(), to_world, material)
     }
 
-    /// A horizontal square that faces down.
+    /// As [`Self::floor`], facing down.
     pub fn ceiling(&mut self, center: DVec3, half: f64, material: u32) -> &mut ShapeDescription {
         let to_world = DMat4::from_translation(center)
             * DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2)
@@ -165,20 +165,20 @@ impl SceneBuilder {
         self.mesh(TriangleMesh::rectangle(), to_world, material)
     }
 
-    /// A box of half-widths `half`, parallel to the axes, that faces outward.
+    /// Adds an axis-aligned box of half-widths `half` that faces outward.
     pub fn cube(&mut self, center: DVec3, half: DVec3, material: u32) -> &mut ShapeDescription {
         let to_world = DMat4::from_translation(center) * DMat4::from_scale(half);
         self.mesh(TriangleMesh::cube(), to_world, material)
     }
 
-    /// The same radiance from everywhere.
+    /// Adds constant environment light.
     pub fn sky(&mut self, radiance: f32) {
         let radiance = Rgb::splat(radiance);
         self.emitters
             .push(EmitterDescription::Constant { radiance });
     }
 
-    /// Everything made larger by `scale` around the origin, then moved by `offset`; radiances stay.
+    /// Scales the scene by `scale` around the origin, then moves it by `offset`; radiances are unchanged.
     pub fn placed(mut self, scale: f64, offset: DVec3) -> Self {
         let transform = DMat4::from_translation(offset) * DMat4::from_scale(DVec3::splat(scale));
         for shape in &mut self.shapes {
@@ -194,7 +194,7 @@ impl SceneBuilder {
                 *intensity *= (scale * scale) as f32;
             }
         }
-        // A camera has no size: its axes stay of unit length.
+        // The camera's axes keep unit length.
         self.camera = transform * self.camera * DMat4::from_scale(DVec3::splat(1.0 / scale));
         self.near_clip *= scale;
         self.far_clip *= scale;

@@ -1,4 +1,4 @@
-//! Means that are known exactly.
+//! Tests of image means against exact values.
 //!
 //! Null hypothesis, for each comparison: the mean over independent seeds is the truth. The standard error
 //! has few degrees of freedom, so the test is Welch's against a sample without variance, which is
@@ -15,16 +15,16 @@ use super::renders::{mean, renderings};
 /// Holm's correction over the set.
 const ALPHA: f64 = 1e-4;
 
-/// Estimators without variance differ from the truth by rounding alone: less than this, relatively.
+/// Relative error of estimators without variance: rounding alone.
 const ROUNDING: f64 = 1e-4;
 
-/// A mean with a greater relative standard error proves nothing, and fails.
+/// A larger relative standard error fails the test, which would otherwise show too little.
 const GREATEST_ERROR: f64 = 0.02;
 
-/// Independent images per comparison: enough that the tails of Student's distribution are thin.
+/// Independent images per comparison, enough for thin tails of Student's distribution.
 const SEEDS: u64 = 32;
 
-/// Comparisons that are judged together.
+/// Comparisons that are tested together.
 #[derive(Default)]
 pub struct Truths {
     rows: Vec<Row>,
@@ -34,7 +34,7 @@ struct Row {
     name: String,
     found: Moments,
     truth: f64,
-    /// Relative error that the truth is allowed to have.
+    /// Relative error allowed for the truth.
     slack: f64,
 }
 
@@ -87,7 +87,7 @@ impl Truths {
         self.render_within(ROUNDING, name, scene, integrators, spp, truth);
     }
 
-    /// As [`Self::render`], where the renderer's model is allowed to be off by a share `slack`.
+    /// As [`Self::render`], allowing the renderer's model a relative error of `slack`.
     pub fn render_within(
         &mut self,
         slack: f64,
@@ -104,7 +104,7 @@ impl Truths {
         }
     }
 
-    /// Compares a mean with `truth`, which is known but for a share `slack`.
+    /// Compares a mean with `truth`, which has a relative error of at most `slack`.
     pub fn compare(&mut self, slack: f64, name: String, found: Moments, truth: f64) {
         let slack = slack.max(ROUNDING);
         self.rows.push(Row {

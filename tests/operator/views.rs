@@ -1,4 +1,4 @@
-//! Cameras that face a wall squarely. A pinhole sees the parts of a plane across its axis in
+//! Cameras perpendicular to a wall. A pinhole sees the parts of a plane perpendicular to its axis in
 //! proportion to their areas, so a pixel with a box filter is the mean radiance of one rectangle of
 //! the wall.
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::room::{Color, Solution, Surface, block, direct, surfaces};
 use crate::common::scenes::{SceneBuilder, look_at, parallelogram};
 
-/// A window on a wall and the pixels it is divided into.
+/// A rectangle on a wall and its division into pixels.
 pub struct View {
     pub name: &'static str,
     center: DVec3,
@@ -18,7 +18,7 @@ pub struct View {
     normal: DVec3,
     /// Unit, along the columns.
     up: DVec3,
-    /// Width and height of the window, in the room's widths.
+    /// Width and height of the rectangle, in the room's widths.
     size: [f64; 2],
     /// From the wall to the camera.
     distance: f64,
@@ -26,7 +26,7 @@ pub struct View {
     pub tiles: [u32; 2],
 }
 
-/// Nothing stands between these windows and their cameras.
+/// Nothing occludes these rectangles from their cameras.
 pub fn views() -> [View; 3] {
     [
         View {
@@ -60,7 +60,7 @@ pub fn views() -> [View; 3] {
 }
 
 impl View {
-    /// The room, seen so. Its walls are the only thing that oracle and renderer share.
+    /// The room from this view. The reference and the renderer share only its surfaces.
     pub fn scene(&self, depth: Option<u32>) -> Scene {
         let mut builder = SceneBuilder {
             depth,
@@ -88,8 +88,8 @@ impl View {
         builder.build()
     }
 
-    /// Mean radiance of every pixel, from the top left in rows, for each of `depths`; by midpoints on
-    /// a grid of `points` x `points` a pixel, and a finer one for direct light, which has shadows.
+    /// Mean radiance of every pixel, in rows from the top left, for each of `depths`, by the midpoint rule
+    /// with `points` x `points` per pixel, and more for direct light, which has shadows.
     pub fn tile_means(
         &self,
         solution: &Solution,
@@ -127,7 +127,7 @@ impl View {
             .collect()
     }
 
-    /// Calls `visit` with n x n points of a tile and the share of its area that each stands for.
+    /// Calls `visit` with n x n points of a tile and the fraction of its area that each represents.
     fn over_tile(&self, tile: u32, n: u32, mut visit: impl FnMut(DVec3, f64)) {
         let [columns, rows] = self.tiles;
         let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
@@ -139,7 +139,7 @@ impl View {
         }
     }
 
-    /// The point of the wall seen at (x, y) of the film as a unit square, y down.
+    /// The point of the wall at (x, y) of the film as a unit square, y down.
     fn point(&self, x: f64, y: f64) -> DVec3 {
         let right = self.up.cross(self.normal);
         self.center + right * ((x - 0.5) * self.size[0]) + self.up * ((0.5 - y) * self.size[1])
@@ -163,5 +163,5 @@ fn surface_at(surfaces: &[Surface], point: DVec3, normal: DVec3) -> &Surface {
                 && (0.0..=1.0).contains(&along(rectangle.a))
                 && (0.0..=1.0).contains(&along(rectangle.b))
         })
-        .expect("a window lies on surfaces")
+        .expect("a rectangle on surfaces")
 }

@@ -1,5 +1,5 @@
-//! Markov chains where they have little to go by: light that hardly any sample finds, islands that
-//! small steps cannot cross, chains that never move.
+//! Markov chains in difficult cases: light that hardly any sample finds, islands that small steps cannot
+//! cross, chains that never move.
 
 use glam::{DMat4, DVec3};
 use metrolight::render::{Budget, Integrator, Rendering, Settings, Unobserved, render};
@@ -47,7 +47,7 @@ fn moments(renders: &[Rendering], value: impl Fn(&Rendering) -> f64) -> Moments 
     renders.iter().map(value).collect()
 }
 
-/// Null hypothesis: the mean over seeds is `truth`, by a z-test; there are many seeds.
+/// Null hypothesis: the mean over seeds is `truth`. There are enough seeds for a z-test.
 fn assert_mean(what: &str, moments: &Moments, truth: f64) {
     let p = normal_two_sided((moments.mean - truth) / moments.standard_error());
     let error = moments.standard_error();
@@ -79,10 +79,9 @@ fn stability(case: &str, happens: String, told: &[String]) {
     );
 }
 
-/// Two squares that shine, seen face on by an orthogonal look at a film of 2 x 1 pixels: the left
-/// fills `areas[0]` of its pixel with `radiances[0]`, the right likewise. Only paths of one edge, so
-/// every value is known: pixel i is areas[i] radiances[i]. The gap between them is wider than any
-/// small step.
+/// Two emitting squares parallel to a film of 2 x 1 pixels: the left covers the fraction `areas[0]` of its
+/// pixel with radiance `radiances[0]`, and the right likewise. There are only paths of one edge, so every
+/// value is known: pixel i is areas[i] radiances[i]. The gap between them is wider than any small step.
 fn islands(areas: [f64; 2], radiances: [f64; 2]) -> Scene {
     let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::NEG_Z, 90.0, [2, 1]).depth(1);
     builder.near_clip = 1e-2;
@@ -110,7 +109,7 @@ fn pixel(i: usize) -> impl Fn(&Rendering) -> f64 {
 }
 
 #[test]
-fn no_light_at_all_is_black_and_said() {
+fn no_light_at_all_is_a_black_image_and_a_warning() {
     // A lamp in a box without windows.
     let mut builder = room();
     add_lamp(&mut builder, 0.1, DVec3::Y * 2.2);
@@ -130,13 +129,13 @@ fn no_light_at_all_is_black_and_said() {
 }
 
 #[test]
-fn light_that_hardly_any_bootstrap_sample_finds() {
+fn light_that_few_bootstrap_samples_find_gives_a_warning() {
     let scene = behind_two_panes(0.004);
     let settings = Settings {
         bootstrap: Some(100_000),
         ..pssmlt(16)
     };
-    // Some bootstraps find the light and some do not: each says how little is known.
+    // Some bootstraps find the light and some do not; either gives a warning.
     let renderings = renders(&scene, &settings, 8);
     for rendering in &renderings {
         let warning = rendering.warnings.first().expect("a warning");
@@ -166,10 +165,10 @@ fn light_that_hardly_any_bootstrap_sample_finds() {
     );
 }
 
-/// The same in small, where the truth is known: an island that a bootstrap of 1000 finds once on the
-/// average. Black images and bright ones average out.
+/// A similar case whose truth is known: an island that a bootstrap of 1000 finds once on average. The mean
+/// over black and bright images is unbiased.
 #[test]
-fn images_that_miss_a_rare_light_are_made_good_by_those_that_do_not() {
+fn images_with_a_rare_light_are_unbiased_in_the_mean() {
     let scene = islands([2e-3, 1e-12], [1.0, 1e-3]);
     let settings = Settings {
         bootstrap: Some(1000),
@@ -229,8 +228,8 @@ fn islands_that_small_steps_cannot_cross() {
     }
 }
 
-/// The dim island has 10^-6 of the light, and is seen by large steps alone: its error is that of
-/// plain Monte Carlo with as many samples as there are large steps and bootstrap samples.
+/// The dim island has 10^-6 of the light, and only large steps find it: its error is that of Monte Carlo
+/// with as many independent samples as there are large steps and bootstrap samples.
 #[test]
 fn an_island_a_million_times_brighter_does_not_hide_the_other() {
     let scene = islands([0.25, 0.25], [1.0, 1e6]);
@@ -244,8 +243,8 @@ fn an_island_a_million_times_brighter_does_not_hide_the_other() {
     assert_mean("dim island", &dim, 0.25);
     let bright = moments(&renders, pixel(1));
     assert_mean("bright island", &bright, 0.25e6);
-    // p M = 1229 large steps, an eighth of which meet the island: 1/sqrt(154) = 8%, no weight of
-    // the chain being worth anything there.
+    // p M = 1229 large steps, an eighth of which hit the island: 1/sqrt(154) = 8%. The weights of the chain
+    // contribute nothing there.
     let error = dim.variance().sqrt() / 0.25;
     assert!(error < 0.12, "{error}");
     stability(
@@ -258,7 +257,7 @@ fn an_island_a_million_times_brighter_does_not_hide_the_other() {
     );
 }
 
-/// p_large = 0 and 1, one chain and many: all agree with plain bidirectional path tracing.
+/// p_large = 0 and 1, one chain and many: all agree with bidirectional path tracing.
 #[test]
 fn extremes_of_large_steps_and_of_chains_agree_with_bdpt() {
     let scene = room_with_ball();
@@ -299,16 +298,16 @@ fn extremes_of_large_steps_and_of_chains_agree_with_bdpt() {
     }
 }
 
-/// Chains start from N bootstrap samples in proportion to I, and b is known from elsewhere (here: it
-/// is exact in the limit of many large steps, so the test takes the chains' share of the light): the
-/// share that starts on the left island is the ratio of two means over N samples. Its bias is
+/// Chains start from N bootstrap samples in proportion to I: the expected share of chains that start on the
+/// left island, which is its share of the light in the image, is a ratio of two means over N samples. Its
+/// bias is
 /// (q v - k)/N to first order, with q the true share, v = E[I^2]/b^2 and k = E[I 1_left I]/b^2
 /// (Cochran 1977, "Sampling techniques", section 6.8): it falls as 1/N.
 #[test]
 fn start_up_bias_falls_as_one_over_the_bootstrap() {
     let (areas, radiances) = ([0.4, 0.1], [1.0, 12.0]);
     let scene = islands(areas, radiances);
-    // The film is two pixels: an island has half its area of it.
+    // The film has two pixels: an island covers half its area of it.
     let first: f64 = (0..2).map(|i| 0.5 * areas[i] * radiances[i]).sum();
     let squares = [0, 1].map(|i| 0.5 * areas[i] * radiances[i] * radiances[i] / (first * first));
     let share = 0.5 * areas[0] * radiances[0] / first;
@@ -320,7 +319,7 @@ fn start_up_bias_falls_as_one_over_the_bootstrap() {
             bootstrap: Some(n),
             ..pssmlt(16)
         };
-        // A bootstrap that finds neither island says nothing; of 32 samples one in 10^4 does so.
+        // A bootstrap that finds neither island, one in 10^4 of 32 samples, is left out.
         let moments: Moments = renders(&scene, &settings, seeds)
             .iter()
             .map(|rendering| [0, 1].map(|i| pixel(i)(rendering)))
@@ -331,9 +330,9 @@ fn start_up_bias_falls_as_one_over_the_bootstrap() {
         let bias = moments.mean - share;
         let error = moments.standard_error();
         println!("N = {n}: bias {bias:.5} +- {error:.5}, predicted {predicted:.5}");
-        // The next order is about v/N of the first: allow it twice.
+        // The next order is about v/N of the first; allow twice that.
         let next_order = 2.0 * predicted.abs() * (squares[0] + squares[1]) / n as f64;
-        assert!(bias > 5.0 * error, "N = {n}: the bias is not seen");
+        assert!(bias > 5.0 * error, "N = {n}: the bias is not significant");
         assert!(
             (bias - predicted).abs() < 4.0 * error + next_order,
             "N = {n}: {bias} for {predicted}"
@@ -366,7 +365,7 @@ fn no_mutation_after_the_bootstrap_is_a_black_image() {
     );
 }
 
-/// A chain that stands on a spike proposes, by large steps alone, nothing that it could accept.
+/// A chain on a spike rejects nearly all proposals of large steps.
 #[test]
 fn a_chain_that_never_accepts_is_reported() {
     let scene = islands([0.5, 1e-3], [1.0, 1e9]);
@@ -384,7 +383,7 @@ fn a_chain_that_never_accepts_is_reported() {
             .iter()
             .any(|w| w.contains("chains have been in one state"))
     );
-    // Large steps weigh the spike and all else without bias all the same.
+    // Large steps still estimate the rest of the image without bias.
     let moments = moments(&renders(&scene, &settings, 60), pixel(0));
     assert_mean("beside the spike", &moments, 0.5);
     stability(
@@ -401,10 +400,10 @@ fn a_chain_that_never_accepts_is_reported() {
     );
 }
 
-/// Images of 20 seeds differ by no more than the error that each gives of itself: over all pixels the
-/// variance between seeds is the mean of the squared standard errors, within a quarter.
+/// The differences between images of 20 seeds match their estimated errors: over all pixels the variance
+/// between seeds equals the mean of the squared standard errors, within a quarter.
 #[test]
-fn twenty_seeds_flicker_no_more_than_their_errors_say() {
+fn twenty_seeds_differ_by_their_estimated_errors() {
     let scene = room_with_ball();
     let mut pixels: Vec<Moments> = Vec::new();
     let mut expected = Moments::default();
@@ -423,11 +422,11 @@ fn twenty_seeds_flicker_no_more_than_their_errors_say() {
     }
     let between: Moments = pixels.iter().map(Moments::variance).collect();
     let ratio = between.mean / expected.mean;
-    println!("variance between seeds over what they expect: {ratio}");
+    println!("variance between seeds over the estimated one: {ratio}");
     assert!((0.75..1.33).contains(&ratio), "{ratio}");
     stability(
         "flicker over 20 seeds",
-        format!("the variance between images is {ratio:.2} of what their standard errors say"),
+        format!("the variance between images is {ratio:.2} of the one that they estimate"),
         &[],
     );
 }

@@ -1,5 +1,5 @@
-//! Numbers at the edge: indices of refraction around 1, radiances of all magnitudes, films of one
-//! pixel, emitters seen from the side.
+//! Extreme numbers: indices of refraction around 1, radiances of all magnitudes, films of one pixel,
+//! emitters seen edge-on.
 //!
 //! Statistical tests reject at ALPHA: a correct program fails a comparison with that probability for
 //! a new choice of seeds.
@@ -20,10 +20,10 @@ use Integrator::{Bdpt, Light, Path, Pssmlt};
 /// False alarm rate of one comparison.
 pub const ALPHA: f64 = 1e-4;
 
-/// Estimators without variance may be off by this much, relative: some roundings of f32.
+/// Relative error allowed for estimators without variance: some roundings of f32.
 pub const ROUNDING: f64 = 2e-5;
 
-/// Records what a case did, and what the user was told of it.
+/// Records the result of a case, and the warning that the user got.
 pub fn row(case: &str, method: &str, happens: impl Into<String>, told: impl Into<String>) {
     let (happens, told) = (happens.into(), told.into());
     record(
@@ -37,7 +37,7 @@ pub fn row(case: &str, method: &str, happens: impl Into<String>, told: impl Into
     );
 }
 
-/// What the user is told of a rendering, word for word.
+/// The warnings of a rendering, verbatim.
 pub fn told(rendering: &Rendering) -> String {
     match rendering.warnings.as_slice() {
         [] => "nothing".into(),
@@ -63,7 +63,7 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// A floor that a lamp lights, and between them, if `eta` is given, a ball.
+/// A floor lit by a lamp, with an optional ball between them.
 fn floor_behind_ball(ball: Option<Ball>) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.9, 3.0), DVec3::new(0.0, -0.6, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(7);
@@ -86,10 +86,10 @@ enum Ball {
     Rough(f32),
 }
 
-/// Null hypothesis: a ball whose index of refraction is (nearly) that of its surroundings changes
-/// nothing. At 1 + 1e-4 light is displaced by some 1e-4 of the ball and 2.5e-9 of it reflected.
+/// Null hypothesis: a ball with (nearly) the index of refraction of its surroundings does not change the
+/// image. At 1 + 1e-4 light is displaced by about 1e-4 of the ball, and 2.5e-9 of it is reflected.
 #[test]
-fn a_ball_of_index_one_is_no_ball() {
+fn a_ball_of_index_one_is_invisible() {
     for (integrator, spp) in [(Path, 96), (Bdpt, 32), (Pssmlt, 64)] {
         let without = tiles(&floor_behind_ball(None), integrator, spp, (1, 8), 4);
         for (i, ball) in [
@@ -117,8 +117,8 @@ fn a_ball_of_index_one_is_no_ball() {
     );
 }
 
-/// A slab of glass under a sky, and in it a black lamp that faces up: `from` looks at the middle of
-/// the top of the slab.
+/// A slab of glass under environment light, with a black lamp in it that faces up; `from` looks at the
+/// centre of the slab's top.
 pub fn lamp_in_slab(from: DVec3) -> Scene {
     let mut builder = SceneBuilder::seen(from, DVec3::Y, 0.02, [4, 3]);
     let glass = builder.glass(1.5);
@@ -135,8 +135,9 @@ pub fn lamp_in_slab(from: DVec3) -> Scene {
 const LAMP: f64 = 3.0;
 const SKY: f64 = 0.8;
 
-/// Seen from below, the top of the slab reflects F of the lamp and shows (1 - F) n^2 of the sky; from
-/// above, F of the sky and (1 - F)/n^2 of the lamp. Beyond the critical angle of 41.81 degrees F = 1.
+/// From below, the radiance of the slab's top is F times that of the lamp plus (1 - F) n^2 times that of
+/// the environment; from above, F times that of the environment plus (1 - F)/n^2 times that of the lamp.
+/// Beyond the critical angle of 41.81 degrees F = 1.
 #[test]
 fn total_internal_reflection() {
     let n: f64 = 1.5;
@@ -177,9 +178,9 @@ fn total_internal_reflection() {
     );
 }
 
-/// A bubble of air in water with a black lamp at its centre. A ray at the height b, the bubble's
-/// radius being 1, meets the lamp if n b is less than the lamp's radius, passes beside it if n b < 1
-/// and shows the sky, and is totally reflected, to the sky too, beyond.
+/// An air bubble of radius 1 in water with a black lamp at its centre. A ray at height b hits the lamp if
+/// n b is less than the lamp's radius; if n b < 1 it misses the lamp and reaches the environment;
+/// otherwise it is totally reflected and reaches the environment too.
 #[test]
 fn air_bubbles_in_water() {
     let n = 1.33;
@@ -211,7 +212,7 @@ fn air_bubbles_in_water() {
     );
 }
 
-/// A small room with a lamp whose radiance is `radiance`, glass and a diffuse wall.
+/// A floor with a ball of glass under a lamp of the given radiance.
 fn room(radiance: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.5, 3.5), DVec3::new(0.0, -0.2, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(6);
@@ -223,8 +224,8 @@ fn room(radiance: f32) -> Scene {
     builder.build()
 }
 
-/// Powers of two change no digit: the image must scale to the bit. Of 1e12 and 1e-12 the roundings
-/// differ, and a Metropolis chain that decides otherwise once goes its own way from there: the means
+/// For powers of two rounding is the same, and the image must scale bit for bit. For 1e12 and 1e-12
+/// rounding differs, and a Metropolis chain diverges after the first different decision, so the means
 /// over seeds must agree.
 #[test]
 fn images_scale_with_the_radiance_of_the_emitters() {
@@ -259,8 +260,8 @@ fn images_scale_with_the_radiance_of_the_emitters() {
     );
 }
 
-/// A lamp of radiance 1e12 and one of 1e-12, each over its own side of a black wall: each side must be
-/// what its lamp gives, and the dim one is not lost beside the bright one.
+/// Lamps of radiance 1e12 and 1e-12 on the two sides of a black wall: each side must equal the image with
+/// its lamp alone, so that the dim lamp is not lost beside the bright one.
 #[test]
 fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
     const BRIGHT: f32 = 1e12;
@@ -327,7 +328,7 @@ fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
     }
 }
 
-/// The room seen on a film of `size` with a horizontal field of view of `fov`.
+/// A floor with a ball under a lamp, on a film of `size` with a horizontal field of view of `fov`.
 fn view(size: [u32; 2], fov: f64) -> Scene {
     let mut builder = SceneBuilder::seen(
         DVec3::new(0.0, 0.3, 3.5),
@@ -342,8 +343,8 @@ fn view(size: [u32; 2], fov: f64) -> Scene {
     builder.depth(4).build()
 }
 
-/// Null hypothesis: a film of one row or column is the middle row or column of a larger one with the same
-/// pixels, and a film of one pixel is the mean of a square one.
+/// Null hypothesis: a film of one row or column equals the middle row or column of a larger one with pixels
+/// of the same size, and a film of one pixel equals the mean of a square one.
 #[test]
 fn films_of_one_row_one_column_and_one_pixel() {
     let fov: f64 = 40.0;
@@ -372,10 +373,10 @@ fn films_of_one_row_one_column_and_one_pixel() {
     );
 }
 
-/// A lamp without thickness seen exactly from its edge shows nothing to the camera and gives nothing to
-/// the floor in its own plane; where rounding tilts it, next to nothing.
+/// A flat lamp seen exactly edge-on is invisible, and does not light the floor in its own plane; where
+/// rounding tilts it, almost.
 #[test]
-fn an_emitter_seen_from_its_edge_gives_nothing() {
+fn an_emitter_seen_edge_on_is_invisible() {
     let mut told_of = String::new();
     for turn in [0.0, 0.3] {
         let tilt = DMat4::from_rotation_z(turn) * DMat4::from_rotation_x(turn);
@@ -393,7 +394,7 @@ fn an_emitter_seen_from_its_edge_gives_nothing() {
             shape.to_world = tilt * shape.to_world;
         }
         let edge_on = builder.build();
-        // From above, the lamp itself in black: the floor beside it.
+        // The floor beside the lamp, from above.
         let above = DVec3::new(2.5, 3.0, 0.0);
         let mut builder =
             SceneBuilder::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);

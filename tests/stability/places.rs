@@ -1,4 +1,4 @@
-//! Places at the edge: a camera in glass, in a lamp, on a surface; rooms that light cannot leave.
+//! Extreme placements: a camera in glass, in a lamp, on a surface; and rooms that light cannot leave.
 
 use glam::{DMat4, DVec3};
 use metrolight::analysis::trapped_light;
@@ -13,9 +13,9 @@ use crate::common::truths::assert_mean;
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
 
-/// Wherever light of radiance L can come from outside, radiance in glass is n^2 L: at the centre of a
-/// ball, and in a pane. Away from the centre of the ball, rays that meet its surface beyond the
-/// critical angle do so for ever: no light comes from there, and their paths must end.
+/// In glass, radiance from directions that reach an environment of radiance L is n^2 L. Off the centre of a
+/// ball, rays that hit its surface beyond the critical angle are totally reflected forever: they carry no
+/// light, and their paths must end.
 #[test]
 fn a_camera_in_glass() {
     let n: f64 = 1.5;
@@ -53,7 +53,7 @@ fn a_camera_in_glass() {
     }
 }
 
-/// Inside a lamp that shines inward every pixel is its radiance; inside one that shines outward, black.
+/// Inside a lamp that emits inward every pixel has its radiance; inside one that emits outward, 0.
 #[test]
 fn a_camera_in_a_lamp() {
     for (inward, truth) in [(true, 3.0), (false, 0.0)] {
@@ -72,7 +72,7 @@ fn a_camera_in_a_lamp() {
                 let error = pixels
                     .map(|&x| (f64::from(x) - truth).abs())
                     .fold(0.0, f64::max);
-                // A Metropolis chain visits pixels at random, though its mean is exact.
+                // A Metropolis chain visits pixels at random; only its mean is exact.
                 let exact = if integrator == Pssmlt { 1.0 } else { 0.0 };
                 assert!(error <= exact * truth, "{}: {error}", integrator.name());
             }
@@ -91,9 +91,8 @@ fn a_camera_in_a_lamp() {
     }
 }
 
-/// A camera whose pinhole lies exactly on a floor of albedo 1/2, or half its near_clip above, does not see
-/// the floor, which is nearer than its near plane: in all directions it sees the sky of radiance 1, above
-/// or below.
+/// A camera exactly on a floor of albedo 1/2, or half its near_clip above, does not see the floor, which is
+/// nearer than its near plane: in all directions it sees the environment of radiance 1.
 #[test]
 fn a_camera_on_a_floor() {
     for (what, height, to) in [
@@ -122,8 +121,8 @@ fn a_camera_on_a_floor() {
     );
 }
 
-/// A camera exactly on the surface of a glass ball looks out along the normal, or in: its rays begin at
-/// the near plane, outside or inside.
+/// A camera exactly on the surface of a glass ball looks along the normal, out or in: its rays start at the
+/// near plane, outside or inside.
 #[test]
 fn a_camera_on_glass() {
     for (what, to, truth) in [("out", DVec3::X * 2.0, 1.0), ("in", DVec3::ZERO, 2.25)] {
@@ -146,8 +145,8 @@ fn a_camera_on_glass() {
     );
 }
 
-/// A pane of glass cuts a thin lens in half: half of its rays begin in air and show L, the others in glass
-/// and show n^2 L.
+/// The surface of a glass block bisects a thin lens: half of its rays start in air and have radiance L, the
+/// others start in glass and have n^2 L.
 #[test]
 fn a_lens_cut_by_glass() {
     let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
@@ -171,8 +170,7 @@ fn a_lens_cut_by_glass() {
     }
 }
 
-/// A white room without an opening, the inside of a sphere, and in it a lamp that absorbs what meets
-/// it.
+/// A closed white room, the inside of a sphere, with a black lamp.
 fn white_room(lamp_radius: f64) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
@@ -183,8 +181,8 @@ fn white_room(lamp_radius: f64) -> Scene {
     builder.build()
 }
 
-/// In equilibrium radiance is that of the lamp, everywhere, however long its light takes: with a lamp
-/// of radius 0.1 it meets the room a hundred times before it meets the lamp again.
+/// In equilibrium radiance equals the lamp's everywhere. With a lamp of radius 0.1 light is reflected a
+/// hundred times before it hits the lamp again.
 #[test]
 fn a_white_room_is_as_bright_as_its_black_lamp() {
     let mut found = Vec::new();
@@ -218,8 +216,8 @@ fn a_white_room_is_as_bright_as_its_black_lamp() {
     );
 }
 
-/// L = 1/(1 - 0.99) = 100 in a closed room that absorbs a hundredth. Under Russian roulette with a
-/// bound of 0.95 for all vertices the weights grow faster than paths end: 133 +- 43 from as many
+/// L = 1/(1 - 0.99) = 100 in a closed room of albedo 0.99. If Russian roulette bounded the survival
+/// probability by 0.95 at all vertices, weights would grow faster than paths end: 133 +- 43 from as many
 /// samples.
 #[test]
 fn a_nearly_white_furnace_has_finite_variance() {
@@ -236,7 +234,7 @@ fn a_nearly_white_furnace_has_finite_variance() {
     }
 }
 
-/// The inside of a sphere that shines with radiance 1 and reflects `albedo`.
+/// The inside of a sphere that emits radiance 1 and reflects `albedo`.
 fn furnace(albedo: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
     let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
@@ -247,9 +245,9 @@ fn furnace(albedo: f32) -> Scene {
     builder.build()
 }
 
-/// A closed furnace of albedo 1 has no finite brightness: every render of it ends, with some number,
-/// and the user is told that it means nothing. Not so where light gets out or is absorbed, or where the
-/// user limits the length of paths.
+/// A closed furnace of albedo 1 has infinite radiance: every render of it ends, with a meaningless value
+/// and a warning. There is no warning where light escapes or is absorbed, or where path length is
+/// limited.
 #[test]
 fn a_closed_white_furnace_ends_and_is_reported() {
     let scene = furnace(1.0);
@@ -278,9 +276,9 @@ fn a_closed_white_furnace_ends_and_is_reported() {
     assert_eq!(trapped_light(&limited), None);
 }
 
-/// Whatever cannot absorb shows the radiance of the sky: a white box without a lid.
+/// A white box without a lid absorbs nothing, so it has the radiance of the environment.
 #[test]
-fn an_open_white_box_is_as_bright_as_the_sky() {
+fn an_open_white_box_has_the_radiance_of_the_environment() {
     for (integrator, spp) in [(Path, 200), (Bdpt, 50), (Pssmlt, 100)] {
         let (from, to) = (DVec3::new(0.0, 1.4, 0.9), DVec3::new(0.0, -0.2, -0.5));
         let mut builder = SceneBuilder::seen(from, to, 50.0, [6, 4]);
@@ -302,9 +300,9 @@ fn an_open_white_box_is_as_bright_as_the_sky() {
     );
 }
 
-/// Coordinates at which f32 and even f64 have nothing left to say are an error that names the shape.
+/// Coordinates too large for the precision of f64 are an error that names the shape.
 #[test]
-fn absurd_coordinates() {
+fn huge_coordinates() {
     let message = |distance: f64| {
         let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
         let white = builder.diffuse(0.5);

@@ -1,7 +1,7 @@
-//! Error at fixed work while something shrinks: lamps, roughness, a slit.
+//! Error at fixed work as a parameter shrinks: lamps, roughness, a slit.
 //!
-//! Every point of a sweep is a scene of its own with a reference made by many times the work. What is
-//! recorded makes the charts in `docs/stability.md`.
+//! Every point of a sweep is a scene with a reference of many times the work. The recorded rows make the
+//! charts in `docs/stability.md`.
 
 use glam::{DMat4, DVec3};
 use metrolight::analysis::lost_light;
@@ -17,19 +17,19 @@ use super::rooms::{
 use crate::common::figures::record;
 use crate::common::renders::renderings;
 
-/// What shrinks.
+/// The parameter that shrinks.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum Sweep {
     /// Area of a lamp in a diffuse room.
     Lamp,
-    /// Area of a lamp over a ball of glass, whose caustic is seen directly.
+    /// Area of a lamp over a ball of glass with a visible caustic.
     LampOverGlass,
-    /// Area of a lamp in a ball of glass, whose direct light is seen from within another.
+    /// Area of a lamp in a ball of glass, seen by a camera in another.
     LampBehindTwoPanes,
     /// Roughness of a ball of glass.
     Roughness,
-    /// Width of a slit that all light comes through.
+    /// Width of a slit that all light passes.
     Slit,
 }
 
@@ -43,15 +43,15 @@ const ALL: [Sweep; 5] = [
 
 const METHODS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integrator::Pssmlt];
 
-/// Samples or mutations per pixel of every image that is judged.
+/// Samples or mutations per pixel of every tested image.
 const WORK: u64 = 64;
 
-/// What is spent on a point of a sweep.
+/// Work per point of a sweep.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// Images that are judged.
+    /// Tested images.
     seeds: u64,
-    /// Work of the reference, as a multiple of theirs.
+    /// Work of the reference, as a multiple of [`WORK`].
     reference: u64,
 }
 
@@ -61,7 +61,7 @@ const FULL: Effort = Effort {
     reference: 32,
 };
 
-/// For assertions about factors.
+/// For assertions.
 const QUICK: Effort = Effort {
     seeds: 2,
     reference: 12,
@@ -82,7 +82,7 @@ struct Row<'a> {
 }
 
 impl Sweep {
-    /// The parameter's values, the easiest first.
+    /// Values of the parameter, the easiest first.
     fn parameters(self) -> Vec<f64> {
         match self {
             Self::Lamp | Self::LampOverGlass | Self::LampBehindTwoPanes => {
@@ -130,7 +130,7 @@ impl Sweep {
         builder.build()
     }
 
-    /// The truth, but for the noise of much work by bidirectional path tracing.
+    /// A reference by bidirectional path tracing with much work.
     fn reference(self, parameter: f64, effort: Effort) -> Vec<[f32; 3]> {
         let (scene, factor) = match self {
             Self::LampBehindTwoPanes => behind_one_pane(radius(parameter)),
@@ -180,7 +180,7 @@ impl Sweep {
     }
 }
 
-/// Of a sphere, by its area 4 pi r^2.
+/// Radius of a sphere of the given area, 4 pi r^2.
 fn radius(area: f64) -> f64 {
     (area / (4.0 * std::f64::consts::PI)).sqrt()
 }
@@ -189,14 +189,14 @@ fn mean(pixels: &[[f32; 3]]) -> f64 {
     pixels.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / (3 * pixels.len()) as f64
 }
 
-/// The rows of the ends of a sweep, by integrator: easiest and hardest.
+/// Rows of the easiest and of the hardest point of a sweep, by integrator.
 fn ends(sweep: Sweep, hardest: f64) -> [Vec<Row<'static>>; 2] {
     [sweep.parameters()[0], hardest].map(|parameter| sweep.rows(parameter, QUICK))
 }
 
-/// Next event estimation does not mind how small a lamp is.
+/// The error of next event estimation does not depend on the size of a lamp.
 #[test]
-fn a_shrinking_lamp_costs_nothing_where_it_can_be_joined() {
+fn a_shrinking_lamp_costs_nothing_with_next_event_estimation() {
     let [large, small] = ends(Sweep::Lamp, 1e-8);
     for (large, small) in large.iter().zip(&small) {
         assert!(
@@ -211,8 +211,8 @@ fn a_shrinking_lamp_costs_nothing_where_it_can_be_joined() {
     }
 }
 
-/// Path tracing loses a caustic as the lamp shrinks, and says so. What the others say is about the
-/// floor seen through the ball alone, which is little.
+/// Path tracing loses a caustic as the lamp shrinks, and warns. The warnings of the others concern only the
+/// floor seen through the ball, which is little light.
 #[test]
 fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
     let [path, bdpt, pssmlt] = &Sweep::LampOverGlass.rows(1e-6, QUICK)[..] else {
@@ -234,7 +234,7 @@ fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
     }
 }
 
-/// Behind two panes all depends on running into the lamp.
+/// Behind two panes only hits on the lamp find light.
 #[test]
 fn a_lamp_behind_two_panes_is_reported_when_it_is_too_small() {
     let told = |area| {
@@ -250,9 +250,9 @@ fn a_lamp_behind_two_panes_is_reported_when_it_is_too_small() {
     }
 }
 
-/// Rough glass that becomes smooth: joins through it give way to what smooth glass allows.
+/// As rough glass becomes smooth, connections at it become impossible; other techniques find the light.
 #[test]
-fn glass_may_become_smooth() {
+fn error_stays_bounded_as_glass_becomes_smooth() {
     let [rough, smooth] = ends(Sweep::Roughness, 1e-3);
     for (rough, smooth) in rough.iter().zip(&smooth).skip(1) {
         assert!(
@@ -271,9 +271,9 @@ fn glass_may_become_smooth() {
     }
 }
 
-/// A closing slit: all methods find the light that is left.
+/// As a slit closes, all methods find the remaining light.
 #[test]
-fn a_slit_may_close() {
+fn all_methods_find_the_light_through_a_slit() {
     for row in Sweep::Slit.rows(0.05, QUICK) {
         assert!(
             (row.found - 1.0).abs() < (5.0 * row.found_error).max(0.1),
@@ -285,7 +285,7 @@ fn a_slit_may_close() {
     }
 }
 
-/// All sweeps, for the charts; takes some minutes.
+/// All sweeps, for the charts. Takes some minutes.
 #[test]
 #[ignore = "takes minutes: METROLIGHT_FIGURES=target/figures cargo test --release --test stability sweeps -- --ignored"]
 fn all_sweeps() {

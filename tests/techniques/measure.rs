@@ -1,4 +1,4 @@
-//! The light of every class of paths as each technique alone finds it.
+//! The light of every class of paths found by each technique alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,14 +14,14 @@ use rayon::prelude::*;
 
 use super::classes::{Class, Event};
 
-/// Independent parts of the samples: means over them are all but normal, and sums of any of their
-/// parts have a variance, however these hang together.
+/// Independent batches of samples: their means are nearly normal, and give sums over classes and techniques
+/// a variance estimate, however these are correlated.
 const BATCHES: usize = 64;
 
 /// Halves of the film, left and right, in which light is measured.
 pub const HALVES: [&str; 2] = ["left", "right"];
 
-/// What was found, of one class by one technique in one half of the film.
+/// Paths of one class, found by one technique in one half of the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     pub class: Class,
@@ -40,18 +40,18 @@ struct Tally {
 
 pub struct Measured {
     tallies: BTreeMap<Key, Tally>,
-    /// Diffuse surfaces that have been found.
+    /// Diffuse surfaces lit or seen through delta functions.
     pub behind: Behind<String>,
 }
 
-/// Diffuse surfaces that light reaches, and leaves for the lens, through delta functions.
+/// Diffuse surfaces that light reaches, or leaves toward the lens, through delta functions.
 #[derive(Default)]
 pub struct Behind<T> {
-    /// Lit so: x_1 and on to the first D are S.
+    /// Reached: the path has S vertices before its first D.
     pub lit: BTreeSet<T>,
-    /// Seen so: x_{k-1} and back to the last D are S.
+    /// Left: the path has S vertices after its last D.
     pub seen: BTreeSet<T>,
-    /// Both on one path, with no other D.
+    /// Both on one path, without another D.
     pub both: BTreeSet<T>,
 }
 
@@ -114,7 +114,7 @@ impl Measured {
         Self { tallies, behind }
     }
 
-    /// All classes that anything has been found of.
+    /// All classes of which a path has been found.
     pub fn classes(&self) -> BTreeSet<Class> {
         self.tallies.keys().map(|key| key.class).collect()
     }
