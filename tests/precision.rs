@@ -8,7 +8,7 @@ mod common;
 
 use common::figures::{Accuracy, Stability, record};
 use common::renders::{mean, means, rendering};
-use common::scenes::{SceneBuilder, shine};
+use common::scenes::{SceneBuilder, emit, sphere_mesh};
 use common::tiles::{assert_same_image, tiles};
 use common::truths::assert_mean;
 use glam::{DMat4, DVec3};
@@ -34,32 +34,6 @@ fn row(case: &str, found: impl Into<String>, demanded: impl Into<String>) {
     );
 }
 
-/// A ball of n x n smooth-shaded patches.
-fn ball(n: u32) -> TriangleMesh {
-    let mut mesh = TriangleMesh::default();
-    let count = 2 * n;
-    for j in 0..=n {
-        for i in 0..count {
-            let theta = std::f64::consts::PI * f64::from(j) / f64::from(n);
-            let phi = std::f64::consts::TAU * f64::from(i) / f64::from(count);
-            let p = DVec3::new(
-                theta.sin() * phi.cos(),
-                theta.cos(),
-                theta.sin() * phi.sin(),
-            );
-            mesh.positions.push(p.as_vec3().to_array());
-            let at = |j: u32, i: u32| j * count + i % count;
-            if j < n {
-                mesh.triangles
-                    .push([at(j, i), at(j + 1, i + 1), at(j + 1, i)]);
-                mesh.triangles
-                    .push([at(j, i), at(j, i + 1), at(j + 1, i + 1)]);
-            }
-        }
-    }
-    mesh
-}
-
 /// A closed room with a lamp, a ball of glass whose caustic falls on the floor, a smooth mesh, and a box
 /// exactly on the floor.
 fn room() -> SceneBuilder {
@@ -70,12 +44,12 @@ fn room() -> SceneBuilder {
     builder.cube(DVec3::Y, DVec3::new(2.0, 1.0, 2.0), white);
     builder.cube(DVec3::new(0.9, 0.3, -0.7), DVec3::splat(0.3), grey);
     builder.sphere(DVec3::new(-0.3, 0.55, 0.1), 0.4, glass);
-    let mut mesh = ball(6);
+    let mut mesh = sphere_mesh(6);
     let to_world = DMat4::from_translation(DVec3::new(-1.2, 0.5, -0.9))
         * DMat4::from_scale(DVec3::splat(0.45));
     mesh.compute_vertex_normals(&to_world);
     builder.mesh(mesh, to_world, grey);
-    shine(builder.ceiling(DVec3::new(-0.2, 1.9, 0.1), 0.35, grey), 5.0);
+    emit(builder.ceiling(DVec3::new(-0.2, 1.9, 0.1), 0.35, grey), 5.0);
     builder
 }
 
@@ -207,7 +181,7 @@ fn a_low_lamp() {
         let (white, black) = (builder.diffuse(rho), builder.diffuse(0.0));
         builder.floor(DVec3::ZERO, 2.0, white);
         let center = DVec3::new(1.0, height, 0.0);
-        shine(builder.sphere(center, r, black), 1e4);
+        emit(builder.sphere(center, r, black), 1e4);
         let scene = builder.build();
         let cos = height / center.length();
         let truth = f64::from(rho) * 1e4 * r * r / center.length_squared() * cos;
@@ -376,7 +350,7 @@ fn triangles_without_area() {
             (DVec3::ZERO, 0.6, 0.0),
             (DVec3::new(0.5, 1.5, 0.5), 0.3, 5.0),
         ] {
-            let mut mesh = ball(6);
+            let mut mesh = sphere_mesh(6);
             let whole = mesh.triangles.len() as u32;
             for i in 0..points as u32 {
                 let [a, b, _] = mesh.triangles[(7 * i % whole) as usize];
@@ -400,7 +374,7 @@ fn triangles_without_area() {
             }
             let shape = builder.mesh(mesh, to_world, white);
             if radiance > 0.0 {
-                shine(shape, radiance);
+                emit(shape, radiance);
             }
         }
         builder.build()

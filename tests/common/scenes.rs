@@ -276,8 +276,34 @@ pub fn floor(half_side: f64) -> ShapeDescription {
     )
 }
 
+/// The unit sphere as a mesh of 2n x n patches, without normals.
+pub fn sphere_mesh(n: u32) -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
+    let count = 2 * n;
+    for j in 0..=n {
+        for i in 0..count {
+            let theta = std::f64::consts::PI * f64::from(j) / f64::from(n);
+            let phi = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+            let p = DVec3::new(
+                theta.sin() * phi.cos(),
+                theta.cos(),
+                theta.sin() * phi.sin(),
+            );
+            mesh.positions.push(p.as_vec3().to_array());
+            let at = |j: u32, i: u32| j * count + i % count;
+            if j < n {
+                mesh.triangles
+                    .push([at(j, i), at(j + 1, i + 1), at(j + 1, i)]);
+                mesh.triangles
+                    .push([at(j, i), at(j, i + 1), at(j + 1, i + 1)]);
+            }
+        }
+    }
+    mesh
+}
+
 /// Makes a shape emit the same radiance in all channels on its front.
-pub fn shine(shape: &mut ShapeDescription, radiance: f32) {
+pub fn emit(shape: &mut ShapeDescription, radiance: f32) {
     shape.emission = Some(Rgb::splat(radiance));
 }
 

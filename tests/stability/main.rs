@@ -8,5 +8,6 @@ mod common;
 mod metropolis;
 mod numbers;
 mod places;
+mod records;
 mod rooms;
 mod sweeps;

@@ -5,50 +5,17 @@
 //! a new choice of seeds.
 
 use glam::{DMat4, DVec3};
-use metrolight::render::{Integrator, Rendering};
+use metrolight::render::Integrator;
 use metrolight::scene::{Distribution, Scene};
 use metrolight::statistics::Moments;
 
-use crate::common::figures::{Stability, record};
 use crate::common::renders::{mean, means, rendering};
-use crate::common::scenes::{SceneBuilder, shine};
+use crate::common::scenes::{SceneBuilder, emit};
 use crate::common::tiles::{assert_same_image, tiles};
 use crate::common::truths::assert_mean;
+use crate::records::{ALPHA, ROUNDING, row, told};
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
-
-/// False alarm rate of one comparison.
-pub const ALPHA: f64 = 1e-4;
-
-/// Relative error allowed for estimators without variance: some roundings of f32.
-pub const ROUNDING: f64 = 2e-5;
-
-/// Records the result of a case, and the warning that the user got.
-pub fn row(case: &str, method: &str, happens: impl Into<String>, told: impl Into<String>) {
-    let (happens, told) = (happens.into(), told.into());
-    record(
-        "stability",
-        &Stability {
-            case,
-            method,
-            happens,
-            told,
-        },
-    );
-}
-
-/// The warnings of a rendering, verbatim.
-pub fn told(rendering: &Rendering) -> String {
-    match rendering.warnings.as_slice() {
-        [] => "nothing".into(),
-        warnings => warnings.join("; "),
-    }
-}
-
-/// "0.6000 +- 0.0003".
-pub fn figure(moments: &Moments) -> String {
-    format!("{:.4} +- {:.4}", moments.mean, moments.standard_error())
-}
 
 /// Reflectance of a smooth interface for light at `cos` on the side of index 1, `eta` beyond it: for
 /// either polarisation the square of an amplitude (Born and Wolf, section 1.5.2).
@@ -69,7 +36,7 @@ fn floor_behind_ball(ball: Option<Ball>) -> Scene {
     let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(7);
     let white = builder.diffuse(0.7);
     builder.floor(DVec3::NEG_Y, 3.0, white);
-    shine(builder.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
+    emit(builder.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
     let ball = ball.map(|ball| match ball {
         Ball::Smooth(eta) => builder.glass(eta),
         Ball::Rough(eta) => builder.rough_glass(Distribution::Ggx, eta, 0.3),
@@ -124,7 +91,7 @@ pub fn lamp_in_slab(from: DVec3) -> Scene {
     let glass = builder.glass(1.5);
     let black = builder.diffuse(0.0);
     builder.cube(DVec3::ZERO, DVec3::new(200.0, 1.0, 200.0), glass);
-    shine(
+    emit(
         builder.floor(DVec3::new(0.0, -0.5, 0.0), 199.9, black),
         LAMP as f32,
     );
@@ -190,7 +157,7 @@ fn air_bubbles_in_water() {
         let air = builder.glass((1.0 / n) as f32);
         let black = builder.diffuse(0.0);
         builder.sphere(DVec3::ZERO, 1.0, air);
-        shine(builder.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
+        emit(builder.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
         builder.sky(SKY as f32);
         let scene = builder.build();
         let f = fresnel((1.0 - b * b).sqrt(), 1.0 / n);
@@ -220,7 +187,7 @@ fn room(radiance: f32) -> Scene {
     let glass = builder.glass(1.5);
     builder.floor(DVec3::NEG_Y, 3.0, white);
     builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, glass);
-    shine(builder.ceiling(DVec3::Y, 0.5, white), radiance);
+    emit(builder.ceiling(DVec3::Y, 0.5, white), radiance);
     builder.build()
 }
 
@@ -274,7 +241,7 @@ fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
         for (side, radiance) in [(-1.0, bright), (1.0, dim)] {
             let lamp = builder.ceiling(DVec3::new(side * 1.5, 1.5, 0.0), 0.3, black);
             if radiance > 0.0 {
-                shine(lamp, radiance);
+                emit(lamp, radiance);
             }
         }
         builder.depth(3).build()
@@ -339,7 +306,7 @@ fn view(size: [u32; 2], fov: f64) -> Scene {
     let white = builder.diffuse(0.7);
     builder.floor(DVec3::NEG_Y, 3.0, white);
     builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, white);
-    shine(builder.ceiling(DVec3::Y, 0.5, white), 2.0);
+    emit(builder.ceiling(DVec3::Y, 0.5, white), 2.0);
     builder.depth(4).build()
 }
 
@@ -389,7 +356,7 @@ fn an_emitter_seen_edge_on_is_invisible() {
             .floor(DVec3::new(0.0, 0.0, -3.0), 1.0, white)
             .flip_normals = false;
         builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        emit(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
         for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
@@ -400,7 +367,7 @@ fn an_emitter_seen_edge_on_is_invisible() {
             SceneBuilder::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);
         let (white, black) = (builder.diffuse(0.7), builder.diffuse(0.0));
         builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        emit(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
         for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
@@ -414,7 +381,7 @@ fn an_emitter_seen_edge_on_is_invisible() {
                     integrator.name()
                 );
                 if mean == 0.0 && integrator == Path {
-                    told_of = told(&rendering);
+                    told_of = told(&rendering.warnings);
                 }
             }
         }

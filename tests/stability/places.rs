@@ -1,4 +1,6 @@
 //! Extreme placements: a camera in glass, in a lamp, on a surface; and rooms that light cannot leave.
+//!
+//! Null hypotheses, thresholds and false-alarm rates are those of `assert_mean` at ALPHA.
 
 use glam::{DMat4, DVec3};
 use metrolight::analysis::trapped_light;
@@ -6,10 +8,11 @@ use metrolight::render::{Integrator, Settings, Unobserved, render};
 use metrolight::scene::{Scene, ThinLens, TriangleMesh};
 use metrolight::statistics::Moments;
 
-use super::numbers::{ALPHA, ROUNDING, figure, lamp_in_slab, row, told};
+use super::numbers::lamp_in_slab;
 use crate::common::renders::{mean, means, rendering, renderings, settings};
-use crate::common::scenes::{SceneBuilder, shine};
+use crate::common::scenes::{SceneBuilder, emit};
 use crate::common::truths::assert_mean;
+use crate::records::{ALPHA, ROUNDING, figure, row, told};
 
 use Integrator::{Bdpt, Light, Path, Pssmlt};
 
@@ -48,7 +51,7 @@ fn a_camera_in_glass() {
             &format!("a camera inside glass: {what}"),
             "path, bdpt, pssmlt",
             format!("radiance {truth} L, with n^2 = 2.25, as in theory"),
-            told(&rendering(&scene, Path, 16, 1)),
+            told(&rendering(&scene, Path, 16, 1).warnings),
         );
     }
 }
@@ -61,12 +64,12 @@ fn a_camera_in_a_lamp() {
         let black = builder.diffuse(0.0);
         let lamp = builder.sphere(DVec3::ZERO, 1.0, black);
         lamp.flip_normals = inward;
-        shine(lamp, 3.0);
+        emit(lamp, 3.0);
         let scene = builder.build();
         let mut message = String::new();
         for integrator in Integrator::ALL {
             let rendering = rendering(&scene, integrator, 64, 1);
-            message = told(&rendering);
+            message = told(&rendering.warnings);
             if integrator != Integrator::Light {
                 let pixels = rendering.image.pixels.iter().flatten();
                 let error = pixels
@@ -177,7 +180,7 @@ fn white_room(lamp_radius: f64) -> Scene {
     let white = builder.diffuse(1.0);
     let black = builder.diffuse(0.0);
     builder.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
-    shine(builder.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
+    emit(builder.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
     builder.build()
 }
 
@@ -241,7 +244,7 @@ fn furnace(albedo: f32) -> Scene {
     let white = builder.diffuse(albedo);
     let wall = builder.sphere(DVec3::ZERO, 1.0, white);
     wall.flip_normals = true;
-    shine(wall, 1.0);
+    emit(wall, 1.0);
     builder.build()
 }
 

@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::scene::{Material, Scene, Texture, TriangleMesh};
 
-use crate::common::scenes::{SceneBuilder, shine};
+use crate::common::scenes::{SceneBuilder, emit};
 
 /// Relative index of BK7 glass in air.
 pub const BK7: f32 = 1.5046 / 1.000_277;
@@ -49,7 +49,7 @@ pub fn room() -> SceneBuilder {
 pub fn add_lamp(builder: &mut SceneBuilder, radius: f64, center: DVec3) {
     let black = builder.diffuse(0.0);
     let radiance = 40.0 / (4.0 * std::f64::consts::PI.powi(2) * radius * radius);
-    shine(builder.sphere(center, radius, black), radiance as f32);
+    emit(builder.sphere(center, radius, black), radiance as f32);
 }
 
 /// Adds a ball of smooth glass.
