@@ -6,11 +6,11 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::{Vec2, Vec3A};
-use metrolight::integrators::{Sampler, Splats, Workspace};
-use metrolight::markov::{Bootstrap, BootstrapLimits, Chain, SmallStep};
+use metrolight::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
+use metrolight::markov::{Bootstrap, BootstrapLimits, Chain, Mutations, Perturbation};
 use metrolight::math::Rgb;
-use metrolight::render::LightTarget;
-use metrolight::sampling::FreshCoordinates;
+use metrolight::render::SplatTarget;
+use metrolight::sampling::IndependentSampler;
 use metrolight::sampling::seeds::{self, Purpose};
 use metrolight::scene::bsdf::Distribution;
 use metrolight::scene::{Material, Scene, Texture, TransportMode};
@@ -28,27 +28,30 @@ fn paths(c: &mut Criterion) {
     for name in ["spheres", "pool"] {
         let scene = load(name);
         let mut group = c.benchmark_group(name);
-        let mut point = FreshCoordinates::new(seeds::generator(0, Purpose::Pixels, 0));
-        let (mut workspace, mut splats) = (Workspace::default(), Splats::default());
+        let mut samples = (0..).map(|i| IndependentSampler::new(0, Purpose::Pixels, i));
+        let (mut workspace, mut splats) = (Workspace::default(), SplatList::default());
+        let bdpt = BidirectionalPathTracer;
         group.bench_function("bdpt sample", |bencher| {
             bencher.iter(|| {
-                Sampler::Bidirectional.sample(&scene, &mut point, &mut workspace, &mut splats);
-                black_box(splats.camera)
+                let mut sampler = samples.next().expect("endless");
+                bdpt.sample_splats(&scene, &mut sampler, &mut workspace, &mut splats);
+                black_box(splats.pixel)
             });
         });
-        let mut target = LightTarget::new(&scene, Sampler::Bidirectional);
+        let mut target = SplatTarget::new(&scene, bdpt);
         let limits = BootstrapLimits {
             at_least: 1 << 14,
             at_most: 1 << 14,
             relative_error: 0.0,
         };
-        let worker = || LightTarget::new(&scene, Sampler::Bidirectional);
+        let worker = || SplatTarget::new(&scene, bdpt);
         let bootstrap = Bootstrap::run(0, limits, worker, drop, |_| false);
-        let start = bootstrap.generator(bootstrap.starts(1)[0]);
+        let start = bootstrap.sample(bootstrap.starts(1)[0]);
         let rng = seeds::chain_generators(0, 1).remove(0);
-        let mut chain = Chain::start(&mut target, start, rng, 0.3, SmallStep::default());
+        let mutations = Mutations::kelemen(0.3, Perturbation::default());
+        let mut chain = Chain::start(&mut target, start, rng, mutations);
         group.bench_function("pssmlt mutation", |bencher| {
-            bencher.iter(|| black_box(chain.step(&mut target).density));
+            bencher.iter(|| black_box(chain.step(&mut target).1.density));
         });
         group.finish();
     }

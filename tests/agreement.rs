@@ -1,47 +1,48 @@
-//! Path tracing, light tracing, bidirectional path tracing and Metropolis make one image.
+//! Path tracing, light tracing, bidirectional path tracing and Metropolis converge to the same image.
 //!
 //! Null hypothesis, for each pair of integrators, tile of the image and channel: both have the same
 //! mean over independent seeds. Welch's test for each, Holm's correction over all of a scene; a
-//! correct program fails one scene with probability ALPHA for a new choice of seeds. Nothing is
-//! rescaled, so a wrong normalisation shows too.
+//! correct program fails one scene with probability ALPHA for a new choice of seeds. Images are not
+//! rescaled, so that a wrong normalisation is detected too.
 
 mod common;
 
-use common::HashedPoint;
+use common::renders::pssmlt;
 use common::tiles::tile_moments;
 use glam::Vec3A;
-use metrolight::integrators::{Workspace, bdpt};
-use metrolight::path::{Heuristic, Vertex};
-use metrolight::render::{Budget, DivisionSettings, Integrator, Settings};
-use metrolight::sampling::{Coordinates, Stream};
+use metrolight::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
+use metrolight::path::Vertex;
+use metrolight::render::{Budget, Integrator, Method, MmltSettings, Settings};
 use metrolight::scene::{Scene, TransportMode};
 use metrolight::statistics::{Moments, holm, welch};
 
-use Integrator::{Bdpt, Light, Mmlt, Path, Pssmlt};
+use Method::{Bdpt, Light, Mmlt, Path, Pssmlt};
 
 const ALPHA: f64 = 1e-3;
 const SEEDS: u64 = 16;
 
 /// Moments over seeds of the means of all tiles.
-fn sample(scene: &Scene, integrator: Integrator, spp: u64, side: usize) -> Vec<Moments> {
+fn sample(scene: &Scene, method: Method, spp: u64, side: usize) -> Vec<Moments> {
+    let integrator = match method {
+        Pssmlt => pssmlt(64, 100_000),
+        // Chains carry most of the light, not only the brightest.
+        Mmlt => Integrator::Mmlt(MmltSettings {
+            threshold: Some(0.05),
+            ..MmltSettings::default()
+        }),
+        Path | Light | Bdpt => method.into(),
+    };
     let settings = Settings {
         budget: Budget::SamplesPerPixel(spp),
-        // Chains carry most of the light, and not what is brightest alone.
-        division: DivisionSettings {
-            threshold: Some(0.05),
-            ..DivisionSettings::default()
-        },
-        chains: 64,
-        bootstrap: Some(100_000),
-        ..Settings::new(integrator)
+        ..Settings::of(integrator)
     };
-    // No two integrators share a random number.
-    let first = 1000 * (integrator as u64 + 1);
+    // No two methods share a random number.
+    let first = 1000 * (method as u64 + 1);
     tile_moments(scene, &settings, first..first + SEEDS, side)
 }
 
 /// Asserts that all integrators, given with their samples per pixel, agree.
-fn assert_agreement(path: &str, defines: &[(&str, &str)], integrators: &[(Integrator, u64)]) {
+fn assert_agreement(path: &str, defines: &[(&str, &str)], integrators: &[(Method, u64)]) {
     let defines = [
         &[("resx", "24"), ("resy", "18"), ("integrator", "path")],
         defines,
@@ -126,8 +127,8 @@ fn light_from_all_around() {
     );
 }
 
-/// What refraction does to radiance it does not do to importance, and shading normals make scattering
-/// asymmetric: without their adjoint factors path and light tracing make different images.
+/// Refraction scales radiance but not importance, and shading normals make scattering asymmetric: without
+/// the adjoint factors path and light tracing converge to different images.
 #[test]
 fn path_and_light_tracing_are_adjoint() {
     assert_agreement(
@@ -137,8 +138,8 @@ fn path_and_light_tracing_are_adjoint() {
     );
 }
 
-/// Through two interfaces with both indices given, from a lamp outside to a camera in the water and from a
-/// lamp in the water to a camera outside: the squared indices do not cancel.
+/// Light through two interfaces, from a lamp outside to a camera in the water and from a lamp in the water
+/// to a camera outside, so that the squared indices do not cancel.
 #[test]
 fn nested_media_are_adjoint() {
     let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
@@ -152,7 +153,8 @@ fn nested_media_are_adjoint() {
     assert_agreement("tests/scenes/nested.xml", &inside, &methods);
 }
 
-/// From a lamp under water to what rises out of it; through a rough surface also to what stays below.
+/// Light from a lamp under water to objects that rise out of it; through a rough surface also to objects
+/// below.
 #[test]
 fn half_immersed_things_are_adjoint() {
     let methods = [(Path, 128), (Light, 64), (Bdpt, 32)];
@@ -165,8 +167,8 @@ fn half_immersed_things_are_adjoint() {
     assert_agreement("tests/scenes/immersed.xml", &rough, &methods);
 }
 
-/// Shading normals on coarse meshes, rough, diffuse and refracting, under a sky and a lamp, through a
-/// lens.
+/// Shading normals on coarse meshes, rough, diffuse and refracting, lit by an environment and a lamp, seen
+/// through a lens.
 #[test]
 fn coarse_meshes_are_adjoint() {
     let methods = [(Path, 48), (Light, 128), (Bdpt, 24)];
@@ -186,10 +188,10 @@ fn lenses() {
     assert_agreement("tests/scenes/plates.xml", &[], &methods);
 }
 
-/// At every vertex of both walks: what a sampled step gives is what a connection along it would give,
-/// f cos over the density; and seen from the other end the same vertex scatters by the adjoint (Veach
-/// 1997, section 5.3): value_I |w_i.N_g| = value_R |w_o.N_g|, its densities exchanged. Among these vertices
-/// are rough glass, and meshes whose shading normals are not the geometric ones.
+/// At every vertex of both walks the throughput of a sampled step equals that of a connection along it,
+/// f cos over the density; and in the other direction the vertex scatters by the adjoint BSDF (Veach
+/// 1997, section 5.3): value_I |w_i.N_g| = value_R |w_o.N_g|, with the densities exchanged. The vertices
+/// include rough glass, and meshes whose shading normals differ from the geometric ones.
 #[test]
 fn walks_scatter_as_connections_do() {
     for path in ["tests/scenes/coarse.xml", "tests/scenes/immersed.xml"] {
@@ -198,10 +200,8 @@ fn walks_scatter_as_connections_do() {
         let mut workspace = Workspace::default();
         let (mut steps, mut transmitted) = (0, 0);
         for i in 0..20_000 {
-            let mut point = HashedPoint::new(i);
-            let film = glam::Vec2::from(point.read::<2>(Stream::Camera, 0));
-            let power = Heuristic::Power;
-            bdpt::connections(&scene, power, film, &mut point, &mut workspace, |_, _| {});
+            let sampler = &mut common::sample(i);
+            BidirectionalPathTracer.sample_paths(&scene, sampler, &mut workspace, |_| {});
             let walks = [
                 (workspace.camera_vertices(), TransportMode::Radiance),
                 (workspace.light_vertices(), TransportMode::Importance),
@@ -227,39 +227,39 @@ fn walks_scatter_as_connections_do() {
 
 fn check_step(scene: &Scene, v: &Vertex, next: &Vertex, direction: Vec3A, mode: TransportMode) {
     let close = |a: f32, b: f32| (a - b).abs() <= 5e-3 * (a.abs() + b.abs());
-    let (bounce, back) = (
-        v.bounce(scene, direction, mode),
+    let (scatter, back) = (
+        v.scatter(scene, direction, mode),
         Vertex {
             to_previous: direction,
             ..*v
         }
-        .bounce(scene, v.to_previous, other(mode)),
+        .scatter(scene, v.to_previous, other(mode)),
     );
     let cos_previous = v.surface.geometric_normal.dot(v.to_previous).abs();
-    // Where a cosine is next to nothing f32 leaves too few digits of either side.
-    if bounce.cos < 1e-3 || cos_previous < 1e-3 {
+    // Cosines close to 0 have too few significant digits in f32.
+    if scatter.cos < 1e-3 || cos_previous < 1e-3 {
         return;
     }
     for channel in 0..3 {
         let sampled = next.throughput[channel] / v.throughput[channel];
-        let connected = bounce.value[channel] / bounce.pdf_forward;
+        let connected = scatter.value[channel] / scatter.pdf_forward;
         assert!(
             close(sampled, connected),
             "{mode:?}: {sampled} {connected} at {v:?}"
         );
-        // Each value times the cosine at its own predecessor.
-        let (there, again) = (bounce.value * cos_previous, back.value * bounce.cos);
+        // Each value times the cosine at its predecessor.
+        let (there, again) = (scatter.value * cos_previous, back.value * scatter.cos);
         assert!(
             close(there[channel], again[channel]),
             "{mode:?}: {there} {again} at {v:?}"
         );
     }
     assert!(
-        close(bounce.pdf_forward, back.pdf_reverse),
+        close(scatter.pdf_forward, back.pdf_reverse),
         "{mode:?} at {v:?}"
     );
     assert!(
-        close(bounce.pdf_reverse, back.pdf_forward),
+        close(scatter.pdf_reverse, back.pdf_forward),
         "{mode:?} at {v:?}"
     );
 }

@@ -1,22 +1,24 @@
-//! The inner loop allocates nothing: not per path, not per mutation.
+//! The inner loop does not allocate, neither per path nor per mutation.
 
 mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use metrolight::integrators::{Sampler, Splats, Workspace};
-use metrolight::markov::{Chain, SmallStep};
-use metrolight::render::LightTarget;
-use metrolight::sampling::FreshCoordinates;
-use metrolight::sampling::seeds::{self, Purpose};
+use metrolight::integrators::{
+    BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
+};
+use metrolight::markov::{Chain, Mutations, Perturbation, bootstrap};
+use metrolight::render::SplatTarget;
+use metrolight::sampling::seeds;
+use metrolight::scene::Scene;
 
-/// The system's allocator, counting.
+/// The system allocator with a counter.
 struct Counting;
 
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 
-// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+// SAFETY: every call is forwarded unchanged to the system allocator, which keeps the contract.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
@@ -36,7 +38,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of `work`. This binary has one test, so no other thread allocates meanwhile.
+/// Number of allocations during `work`. This binary has one test, so no other thread allocates meanwhile.
 fn allocations(work: impl FnOnce()) -> u64 {
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     work();
@@ -51,27 +53,31 @@ fn mutations_and_samples_allocate_nothing() {
     );
     for name in ["spheres", "pool"] {
         let scene = common::load(&format!("scenes/{name}/scene.xml"), &[]);
-        let mut target = LightTarget::new(&scene, Sampler::Bidirectional);
-        let start = seeds::generator(0, Purpose::Bootstrap, 0);
+        let mut target = SplatTarget::new(&scene, BidirectionalPathTracer);
+        let start = bootstrap::sample(0, 0);
         let rng = seeds::chain_generators(0, 1).remove(0);
-        let mut chain = Chain::start(&mut target, start, rng, 0.3, SmallStep::default());
-        // Buffers grow to the size of the longest path, once.
-        (0..10_000).for_each(|_| _ = chain.step(&mut target).density);
+        let mutations = Mutations::kelemen(0.3, Perturbation::default());
+        let mut chain = Chain::start(&mut target, start, rng, mutations);
+        // Let the buffers grow to the length of the longest path.
+        (0..10_000).for_each(|_| _ = chain.step(&mut target).0);
         let during = allocations(|| {
-            (0..10_000).for_each(|_| _ = chain.step(&mut target).density);
+            (0..10_000).for_each(|_| _ = chain.step(&mut target).0);
         });
         assert_eq!(during, 0, "{name}: allocations in 10000 mutations");
-
-        let mut point = FreshCoordinates::new(seeds::generator(0, Purpose::Pixels, 0));
-        let (mut workspace, mut splats) = (Workspace::default(), Splats::default());
-        for sampler in [Sampler::Path, Sampler::Light, Sampler::Bidirectional] {
-            let mut sample = || sampler.sample(&scene, &mut point, &mut workspace, &mut splats);
-            (0..10_000).for_each(|_| sample());
-            let during = allocations(|| (0..10_000).for_each(|_| sample()));
-            assert_eq!(
-                during, 0,
-                "{name}, {sampler:?}: allocations in 10000 samples"
-            );
-        }
+        assert_no_allocation(name, &scene, PathTracer);
+        assert_no_allocation(name, &scene, LightTracer);
+        assert_no_allocation(name, &scene, BidirectionalPathTracer);
     }
+}
+
+/// Asserts that samples allocate nothing once buffers have grown.
+fn assert_no_allocation(name: &str, scene: &Scene, path_sampler: impl PathSampler) {
+    let (mut workspace, mut splats) = (Workspace::default(), SplatList::default());
+    let mut sample = |i| {
+        path_sampler.sample_splats(scene, &mut common::sample(i), &mut workspace, &mut splats);
+    };
+    // The same samples twice, so that no path of the second run is longer than those of the first.
+    (0..10_000).for_each(&mut sample);
+    let during = allocations(|| (0..10_000).for_each(&mut sample));
+    assert_eq!(during, 0, "{name}: allocations in 10000 samples");
 }

@@ -6,10 +6,11 @@ mod common;
 use std::fs;
 use std::sync::Mutex;
 
+use common::renders::with_pssmlt;
 use common::workplace::Workplace;
 use metrolight::film::Image;
 use metrolight::metrics::relative_mse;
-use metrolight::render::{Budget, Integrator, Moment, Observer, Settings, Unobserved, render};
+use metrolight::render::{Budget, Method, Observer, Progress, Settings, Unobserved, render};
 use predicates::str::contains;
 
 /// Rows of a CSV file, by column name.
@@ -155,7 +156,7 @@ fn wrong_arguments_are_explained() {
 
 /// Asks for every image.
 #[derive(Default)]
-struct Watcher(Mutex<Vec<(Moment, Image)>>);
+struct Watcher(Mutex<Vec<(Progress, Image)>>);
 
 impl Observer for Watcher {
     fn phase(&self, _name: &str) {}
@@ -163,10 +164,10 @@ impl Observer for Watcher {
     fn interrupted(&self) -> bool {
         false
     }
-    fn wants_to_look(&self, _moment: &Moment) -> bool {
+    fn wants_snapshot(&self, _moment: &Progress) -> bool {
         true
     }
-    fn look(&self, moment: &Moment, image: &Image) {
+    fn on_snapshot(&self, moment: &Progress, image: &Image) {
         self.0
             .lock()
             .expect("no panic")
@@ -181,17 +182,23 @@ impl Observer for Watcher {
 fn intermediate_images_do_not_change_later_images() {
     let sizes = [("resx", "256"), ("resy", "256")];
     let scene = common::load("scenes/cornell/scene.xml", &sizes);
-    for integrator in [Integrator::Bdpt, Integrator::Pssmlt] {
-        let with_spp = |n| Settings {
-            budget: Budget::SamplesPerPixel(n),
-            bootstrap: Some(4096),
-            ..Settings::new(integrator)
+    for integrator in [Method::Bdpt, Method::Pssmlt] {
+        let with_spp = |n| {
+            with_pssmlt(
+                Settings {
+                    budget: Budget::SamplesPerPixel(n),
+                    ..Settings::new(integrator)
+                },
+                |own| {
+                    own.bootstrap = Some(4096);
+                },
+            )
         };
         let alone = |n| render(&scene, &with_spp(n), &Unobserved).expect("threads");
         let watcher = Watcher::default();
         let watched = render(&scene, &with_spp(3), &watcher).expect("threads");
         let looks = watcher.0.into_inner().expect("no panic");
-        let metropolis = integrator.is_metropolis();
+        let metropolis = (integrator == Method::Pssmlt);
         let compared = if metropolis { &looks[3..] } else { &looks[..] };
         for (moment, image) in compared {
             let alone = alone(moment.samples / 65536);

@@ -1,16 +1,18 @@
-//! Standard errors that a render gives of itself: do true errors lie where they say?
+//! Calibration of the standard errors that a render estimates of itself.
 //!
-//! Over many seeds, the 95% interval of every pixel is checked against a reference from all other
-//! renders and more: the share of intervals that hold it must be between 90% and 98%. The relMSE that
-//! a render expects of itself is compared with the one it has.
+//! Over many seeds, the 95% interval of every pixel is checked against a reference from more renders: the
+//! fraction of intervals that cover it must be between 90% and 98%. The relMSE that a render estimates of
+//! itself is compared with its true one.
 
 mod common;
 
 use common::figures::{Accuracy, Stability, record};
+use common::renders::renderings;
+use common::renders::with_pssmlt;
 use common::wording;
 use metrolight::metrics::relative_mse;
 use metrolight::render::{
-    Budget, ErrorEstimate, Integrator, Settings, Unobserved, Warning, render,
+    Budget, ErrorEstimate, Method, Rendering, Settings, Unobserved, Warning, render,
 };
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
@@ -18,19 +20,17 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 const SEEDS: u64 = 40;
 
-/// Share of pixels whose error rests on one part of the samples from which on an image says so.
+/// Fraction of pixels whose error rests on one part of the samples above which a warning is given.
 const TOLD: f64 = 0.05;
 
 /// Images with their error estimates, over seeds.
 fn renders(scene: &Scene, settings: &Settings) -> Vec<(Vec<[f32; 3]>, ErrorEstimate)> {
-    (0..SEEDS)
-        .map(|seed| {
-            let settings = Settings {
-                seed,
-                error: true,
-                ..settings.clone()
-            };
-            let rendering = render(scene, &settings, &Unobserved).expect("threads");
+    let settings = Settings {
+        error: true,
+        ..settings.clone()
+    };
+    renderings(scene, &settings, 0..SEEDS)
+        .map(|rendering| {
             let error = rendering.error.expect("more than one part");
             (rendering.image.pixels, error)
         })
@@ -41,18 +41,14 @@ fn renders(scene: &Scene, settings: &Settings) -> Vec<(Vec<[f32; 3]>, ErrorEstim
 fn reference(scene: &Scene, settings: &Settings) -> Vec<[f32; 3]> {
     const RENDERS: u64 = 8;
     let mut sums = vec![[0.0; 3]; (scene.film.width * scene.film.height) as usize];
-    for seed in 1000..1000 + RENDERS {
-        let Budget::SamplesPerPixel(spp) = settings.budget else {
-            unreachable!("budgets here are numbers of samples");
-        };
-        let settings = Settings {
-            seed,
-            budget: Budget::SamplesPerPixel(8 * spp),
-            ..settings.clone()
-        };
-        let image = render(scene, &settings, &Unobserved)
-            .expect("threads")
-            .image;
+    let Budget::SamplesPerPixel(spp) = settings.budget else {
+        unreachable!("budgets here are numbers of samples");
+    };
+    let settings = Settings {
+        budget: Budget::SamplesPerPixel(8 * spp),
+        ..settings.clone()
+    };
+    for Rendering { image, .. } in renderings(scene, &settings, 1000..1000 + RENDERS) {
         for (sum, pixel) in sums.iter_mut().zip(&image.pixels) {
             for c in 0..3 {
                 sum[c] += f64::from(pixel[c]);
@@ -63,7 +59,7 @@ fn reference(scene: &Scene, settings: &Settings) -> Vec<[f32; 3]> {
     sums.into_iter().map(mean).collect()
 }
 
-/// Share of pixels and channels whose 95% interval holds the reference.
+/// Fraction of pixels and channels whose 95% interval covers the reference.
 fn coverage(renders: &[(Vec<[f32; 3]>, ErrorEstimate)], reference: &[[f32; 3]]) -> f64 {
     let mut held = Moments::default();
     for (image, error) in renders {
@@ -81,24 +77,28 @@ fn coverage(renders: &[(Vec<[f32; 3]>, ErrorEstimate)], reference: &[[f32; 3]]) 
     held.mean
 }
 
-/// How true the errors of an integrator's images are.
+/// How well estimated errors match true ones.
 struct Calibration {
-    /// Share of 95% intervals that hold the truth.
+    /// Fraction of 95% intervals that cover the truth.
     coverage: f64,
-    /// Expected over true relMSE.
+    /// Estimated over true relMSE.
     ratio: f64,
-    /// Share of pixels, on average, whose error rests on one part of the samples.
+    /// Mean fraction of pixels whose error rests on one part of the samples.
     single: f64,
 }
 
-fn calibrate(path: &str, integrator: Integrator, spp: u64, demanded: &str) -> Calibration {
+fn calibrate(path: &str, integrator: Method, spp: u64, demanded: &str) -> Calibration {
     let size = [("resx", "24"), ("resy", "18"), ("integrator", "path")];
     let scene = common::load(path, &size);
-    let settings = Settings {
-        budget: Budget::SamplesPerPixel(spp),
-        bootstrap: Some(20_000),
-        ..Settings::new(integrator)
-    };
+    let settings = with_pssmlt(
+        Settings {
+            budget: Budget::SamplesPerPixel(spp),
+            ..Settings::new(integrator)
+        },
+        |own| {
+            own.bootstrap = Some(20_000);
+        },
+    );
     let renders = renders(&scene, &settings);
     let reference = reference(&scene, &settings);
     let coverage = coverage(&renders, &reference);
@@ -144,7 +144,7 @@ fn covers(coverage: f64) -> bool {
     (0.90..=0.98).contains(&coverage)
 }
 
-fn assert_calibrated(path: &str, integrator: Integrator, spp: u64) {
+fn assert_calibrated(path: &str, integrator: Method, spp: u64) {
     let demanded = "coverage 90% to 98%; relMSE within 25%";
     let Calibration {
         coverage, ratio, ..
@@ -161,34 +161,33 @@ fn assert_calibrated(path: &str, integrator: Integrator, spp: u64) {
 
 #[test]
 fn standard_errors_of_monte_carlo_cover_the_truth() {
-    for integrator in [
-        Integrator::Path,
-        Integrator::Light,
-        Integrator::Bdpt,
-        Integrator::Mmlt,
-    ] {
+    for integrator in [Method::Path, Method::Light, Method::Bdpt, Method::Mmlt] {
         assert_calibrated("scenes/cornell/scene.xml", integrator, 32);
     }
 }
 
 #[test]
 fn standard_errors_of_metropolis_cover_the_truth() {
-    assert_calibrated("scenes/cornell/scene.xml", Integrator::Pssmlt, 128);
+    assert_calibrated("scenes/cornell/scene.xml", Method::Pssmlt, 128);
 }
 
-/// Light that some images meet and most do not makes estimates too low. The image says so where it can
-/// be seen from within: nearly all variance of a pixel comes from one part of its samples.
+/// Light that few images find makes estimates too low. A warning is given where one render can detect it:
+/// where nearly all variance of a pixel comes from one part of its samples.
 #[test]
-fn errors_that_are_probably_too_low_are_said_to_be() {
-    for (integrator, spp) in [(Integrator::Bdpt, 16), (Integrator::Pssmlt, 32)] {
+fn errors_that_are_probably_too_low_give_a_warning() {
+    for (integrator, spp) in [(Method::Bdpt, 16), (Method::Pssmlt, 32)] {
         let told = |path: &str| {
             let scene = common::load(path, &[("resx", "48"), ("resy", "36")]);
-            let settings = Settings {
-                budget: Budget::SamplesPerPixel(spp),
-                bootstrap: Some(20_000),
-                error: true,
-                ..Settings::new(integrator)
-            };
+            let settings = with_pssmlt(
+                Settings {
+                    budget: Budget::SamplesPerPixel(spp),
+                    error: true,
+                    ..Settings::new(integrator)
+                },
+                |own| {
+                    own.bootstrap = Some(20_000);
+                },
+            );
             let warnings = render(&scene, &settings, &Unobserved)
                 .expect("threads")
                 .warnings;
@@ -202,7 +201,7 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
             &Stability {
                 case: &format!("--error on the pool with {spp} per pixel"),
                 method: integrator.name(),
-                happens: "light that is still to be found is in no estimate: errors are too small"
+                happens: "light that has not been found is in no estimate: errors are too small"
                     .into(),
                 told: wording::warning(&pool),
             },
@@ -210,24 +209,28 @@ fn errors_that_are_probably_too_low_are_said_to_be() {
     }
 }
 
-/// `--target-error` ends a render at its error, and sooner for a larger one.
+/// `--target-error` ends a render at the given error, and earlier for a larger one.
 #[test]
-fn a_render_ends_at_the_error_asked_for() {
+fn a_render_ends_at_its_target_error() {
     let scene = common::load(
         "scenes/cornell/scene.xml",
         &[("resx", "24"), ("resy", "18")],
     );
-    for integrator in [Integrator::Bdpt, Integrator::Pssmlt] {
+    for integrator in [Method::Bdpt, Method::Pssmlt] {
         let samples = [0.006, 0.003].map(|target| {
-            let settings = Settings {
-                budget: Budget::Unlimited,
-                target_error: Some(target),
-                bootstrap: Some(20_000),
-                ..Settings::new(integrator)
-            };
+            let settings = with_pssmlt(
+                Settings {
+                    budget: Budget::Unlimited,
+                    target_error: Some(target),
+                    ..Settings::new(integrator)
+                },
+                |own| {
+                    own.bootstrap = Some(20_000);
+                },
+            );
             let rendering = render(&scene, &settings, &Unobserved).expect("threads");
             let error = rendering.error.expect("an estimate").relative_mse;
-            // It is looked at after each tenth more samples.
+            // The error is checked each time the samples have grown by a tenth.
             assert!(
                 error <= target && error > 0.6 * target,
                 "{integrator:?}: {error}"
@@ -237,12 +240,16 @@ fn a_render_ends_at_the_error_asked_for() {
         });
         assert!(samples[0] < samples[1], "{integrator:?}: {samples:?}");
 
-        let too_short = Settings {
-            budget: Budget::SamplesPerPixel(20),
-            target_error: Some(1e-4),
-            bootstrap: Some(20_000),
-            ..Settings::new(integrator)
-        };
+        let too_short = with_pssmlt(
+            Settings {
+                budget: Budget::SamplesPerPixel(20),
+                target_error: Some(1e-4),
+                ..Settings::new(integrator)
+            },
+            |own| {
+                own.bootstrap = Some(20_000);
+            },
+        );
         let rendering = render(&scene, &too_short, &Unobserved).expect("threads");
         let not_yet = |warning: &Warning| matches!(warning, Warning::TargetNotReached { target, .. } if *target == 1e-4);
         assert!(
@@ -253,14 +260,14 @@ fn a_render_ends_at_the_error_asked_for() {
     }
 }
 
-/// Where light is rare an interval may be too narrow, but then the image has to say so. Its relMSE hangs
-/// on few bright dots, so it is recorded and not judged. Takes some minutes.
+/// Where light is rarely found intervals may be too narrow, but then there must be a warning. The relMSE
+/// depends on a few bright pixels, so it is recorded but not tested. Takes some minutes.
 #[test]
 #[ignore = "takes minutes: cargo test --release --test error_bars -- --ignored"]
-fn errors_on_hard_scenes_cover_the_truth_or_are_said_to_be_too_low() {
+fn errors_on_hard_scenes_cover_the_truth_or_give_a_warning() {
     for (scene, integrator, spp) in [
-        ("rough-glass", Integrator::Bdpt, 64),
-        ("pool", Integrator::Pssmlt, 128),
+        ("rough-glass", Method::Bdpt, 64),
+        ("pool", Method::Pssmlt, 128),
     ] {
         let path = format!("scenes/{scene}/scene.xml");
         let demanded = "coverage 90% to 98%, or the image says that its errors are too small";

@@ -1,25 +1,35 @@
-//! The Markov chain on targets whose distribution is known exactly: a wrong kernel or wrong weights
-//! show here, whatever a renderer would make of them.
+//! Markov chains on targets of exactly known distribution, which detect a wrong kernel and wrong weights
+//! without a renderer.
 //!
-//! Every statistical test has a fixed seed and rejects at p < 1e-4; a correct chain fails one of them
-//! with that probability for a new choice of seeds.
+//! Every statistical test has a fixed seed and rejects at p < 1e-4, the probability with which a correct
+//! chain fails it for a new choice of seeds.
 
 use metrolight::markov::{
-    Bootstrap, BootstrapLimits, Chain, SmallStep, Target, systematic_resample,
+    Bootstrap, BootstrapLimits, Chain, Mutations, Perturbation, Target, bootstrap,
+    systematic_resample,
 };
 use metrolight::sampling::seeds::{self, Purpose};
-use metrolight::sampling::{Coordinates, FreshCoordinates, Stream};
+use metrolight::sampling::{Dimension, Sampler, Stream};
 use metrolight::statistics::{Moments, chi_square, normal_two_sided};
 use rand::RngExt;
 
 const ALPHA: f64 = 1e-4;
 
+/// The dimensions of x and y, and of z.
+const X: Dimension = Dimension::new(Stream::Camera, 0);
+const Z: Dimension = Dimension::new(Stream::Light, 2);
+
+/// Kelemen's mutations.
+fn mutations(p_large: f32) -> Mutations {
+    Mutations::kelemen(p_large, Perturbation::default())
+}
+
 /// A ridge along the diagonal of (x, y), periodic like the steps, that crosses the edges of the
-/// square; where x < 1/2 a third coordinate z, in another stream, is read and weighed too.
+/// square; for x < 1/2 the density also depends on a third coordinate z in another stream.
 #[derive(Clone, Copy)]
 struct Ridge;
 
-/// x, y, and z where it was read.
+/// x, y, and z if it was read.
 #[derive(Clone, Copy, Default)]
 struct Place {
     x: f32,
@@ -28,7 +38,7 @@ struct Place {
 }
 
 impl Ridge {
-    /// Greatest value of the density.
+    /// Maximum of the density.
     const GREATEST: f64 = 1.05 * 2.0;
 
     fn xy(x: f64, y: f64) -> f64 {
@@ -45,12 +55,12 @@ impl Ridge {
 impl Target for Ridge {
     type Contribution = Place;
 
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut Place) -> f64 {
-        let [x, y] = point.read(Stream::Camera, 0);
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut Place) -> f64 {
+        let [x, y] = sampler.get(X);
         *out = Place { x, y, z: None };
         let mut density = Self::xy(f64::from(x), f64::from(y));
         if x < 0.5 {
-            let [z] = point.read(Stream::Light, 2);
+            let [z] = sampler.get(Z);
             out.z = Some(z);
             density *= Self::z(f64::from(z));
         }
@@ -102,11 +112,10 @@ fn chains_in_equilibrium(count: usize, p_large: f32) -> Vec<Chain<Place>> {
         .map(|rng| {
             loop {
                 candidate += 1;
-                let start = seeds::generator(5, Purpose::Bootstrap, candidate);
-                let mut point = FreshCoordinates::new(start.clone());
-                let density = Ridge.evaluate(&mut point, &mut Place::default());
+                let mut start = bootstrap::sample(5, candidate);
+                let density = Ridge.evaluate(&mut start, &mut Place::default());
                 if accept.random::<f64>() * Ridge::GREATEST < density {
-                    break Chain::start(&mut Ridge, start, rng, p_large, SmallStep::default());
+                    break Chain::start(&mut Ridge, start, rng, mutations(p_large));
                 }
             }
         })
@@ -140,9 +149,9 @@ fn chains_that_start_in_equilibrium_stay_there() {
     }
 }
 
-/// What the weights of a chain's samples estimate, given b and the b_0 of the denominator.
+/// Weighted sums over a chain's samples, given b and the b_0 of the denominator.
 fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64) -> [f64; 3] {
-    // Functions to integrate, positive only where the target is: 1, x, and a corner.
+    // The integrands: 1, x, and the indicator of a corner.
     let functions = |place: &Place| {
         let (x, y) = (f64::from(place.x), f64::from(place.y));
         [1.0, x, if x > 0.8 && y < 0.2 { 1.0 } else { 0.0 }]
@@ -155,7 +164,7 @@ fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64
         }
     };
     for _ in 0..steps {
-        let sample = chain.step(&mut Ridge);
+        let (_, sample) = chain.step(&mut Ridge);
         add(
             sample.density,
             sample.weights.chain * b / b_0 + sample.weights.large,
@@ -172,8 +181,8 @@ fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64
     sums
 }
 
-/// Null hypothesis: over independent chains in equilibrium the weighted sums have the integrals as
-/// their means, whatever positive b_0 stands in the denominator.
+/// Null hypothesis: over independent chains in equilibrium the mean of the weighted sums is the integral,
+/// for any positive b_0 in the denominator.
 #[test]
 fn weights_integrate_without_bias_for_any_denominator() {
     let n = 2000;
@@ -205,14 +214,14 @@ fn weights_integrate_without_bias_for_any_denominator() {
     }
 }
 
-/// A target without light in most places, NaN in some, and one bright island.
+/// A target that is 1 on a quarter of [0, 1), NaN on another, and 0 elsewhere.
 struct Island;
 
 impl Target for Island {
     type Contribution = f32;
 
-    fn evaluate<C: Coordinates>(&mut self, point: &mut C, out: &mut f32) -> f64 {
-        let [x] = point.read(Stream::Camera, 0);
+    fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut f32) -> f64 {
+        let [x] = sampler.get(X);
         *out = x;
         match x {
             x if x < 0.25 => 1.0,
@@ -223,16 +232,13 @@ impl Target for Island {
 }
 
 #[test]
-fn a_chain_never_enters_what_is_not_finite_or_dark() {
+fn a_chain_never_accepts_zero_or_nonfinite_densities() {
     let start = (0..)
-        .map(|i| seeds::generator(1, Purpose::Bootstrap, i))
-        .find(|rng| {
-            let mut point = FreshCoordinates::new(rng.clone());
-            Island.evaluate(&mut point, &mut 0.0) == 1.0
-        })
+        .map(|i| bootstrap::sample(1, i))
+        .find(|start| Island.evaluate(&mut start.clone(), &mut 0.0) == 1.0)
         .unwrap();
     let rng = seeds::chain_generators(1, 1).remove(0);
-    let mut chain = Chain::start(&mut Island, start, rng, 0.5, SmallStep::default());
+    let mut chain = Chain::start(&mut Island, start, rng, mutations(0.5));
     for _ in 0..10_000 {
         chain.step(&mut Island);
         assert!(chain.current().contribution < 0.25);
@@ -242,7 +248,7 @@ fn a_chain_never_enters_what_is_not_finite_or_dark() {
         counters.non_finite > 500,
         "a quarter of the large steps: {counters:?}"
     );
-    assert_eq!(counters.large[0] + counters.small[0], 10_000);
+    assert_eq!(counters.steps(), 10_000);
     assert!(counters.longest_rejection_run >= 3);
     // b is a quarter, from large steps alone: 5 standard errors.
     let b = &counters.large_densities;
@@ -250,11 +256,11 @@ fn a_chain_never_enters_what_is_not_finite_or_dark() {
 }
 
 #[test]
-fn two_chains_from_one_start_share_no_further_number() {
-    let start = seeds::generator(1, Purpose::Bootstrap, 0);
+fn chains_with_the_same_start_have_independent_streams() {
+    let start = bootstrap::sample(1, 0);
     let mut chains: Vec<_> = seeds::chain_generators(1, 2)
         .into_iter()
-        .map(|rng| Chain::start(&mut Ridge, start.clone(), rng, 1.0, SmallStep::default()))
+        .map(|rng| Chain::start(&mut Ridge, start, rng, mutations(1.0)))
         .collect();
     let begun: Vec<f32> = chains
         .iter()
@@ -264,14 +270,14 @@ fn two_chains_from_one_start_share_no_further_number() {
     for _ in 0..100 {
         let proposals: Vec<f32> = chains
             .iter_mut()
-            .map(|chain| chain.step(&mut Ridge).contribution.x)
+            .map(|chain| chain.step(&mut Ridge).1.contribution.x)
             .collect();
-        // An accepted proposal hands out the start, which both share.
+        // After an acceptance the sample is the common start.
         assert!(proposals[0] != proposals[1] || proposals[0] == begun[0]);
     }
 }
 
-fn bootstrap(limits: BootstrapLimits) -> Bootstrap {
+fn run_bootstrap(limits: BootstrapLimits) -> Bootstrap {
     Bootstrap::run(3, limits, || Ridge, |_| (), |_| false)
 }
 
@@ -290,8 +296,8 @@ fn the_bootstrap_stops_when_b_is_known_and_does_not_depend_on_threads() {
         .num_threads(3)
         .build()
         .unwrap();
-    let a = one.install(|| bootstrap(limits));
-    let b = three.install(|| bootstrap(limits));
+    let a = one.install(|| run_bootstrap(limits));
+    let b = three.install(|| run_bootstrap(limits));
     assert_eq!(a.densities, b.densities);
     assert_eq!(a.moments, b.moments);
     let error = a.moments.standard_error() / a.moments.mean;
@@ -307,15 +313,14 @@ fn the_bootstrap_stops_when_b_is_known_and_does_not_depend_on_threads() {
         at_most: 777,
         ..limits
     };
-    assert_eq!(bootstrap(at_most).moments.count, 777);
-    // Sample i can be made again.
-    let mut point = FreshCoordinates::new(a.generator(123));
-    let again = Ridge.evaluate(&mut point, &mut Place::default());
+    assert_eq!(run_bootstrap(at_most).moments.count, 777);
+    // Sample i can be reproduced.
+    let again = Ridge.evaluate(&mut a.sample(123), &mut Place::default());
     assert_eq!(again, a.densities[123]);
 }
 
 #[test]
-fn resampling_is_proportional_and_never_chooses_darkness() {
+fn resampling_is_proportional_and_never_chooses_zero_weights() {
     let weights = [0.0, 1.0, 0.0, 2.5, 0.5, 0.0];
     for u in [0.0, 0.3, 0.999_999] {
         let chosen = systematic_resample(&weights, 80, u);

@@ -1,50 +1,31 @@
-//! Multiplexed paths: one technique alone makes the very path that bidirectional path tracing makes by
-//! it from the same point of the hypercube.
+//! Multiplexed techniques: one technique alone makes the same path from a point of the hypercube as
+//! bidirectional path tracing makes by it.
 
 mod common;
 
 use std::collections::HashMap;
 
-use common::HashedPoint;
-use glam::Vec2;
-use metrolight::integrators::{Technique, Workspace, bdpt, multiplexed};
-use metrolight::path::Heuristic;
-use metrolight::sampling::{Coordinates, Stream};
+use metrolight::integrators::{BidirectionalPathTracer, PathSampler, SingleTechnique, Workspace};
 use metrolight::scene::Scene;
-use metrolight::technique::Connection;
+use metrolight::technique::{PathContribution, Technique};
 
-/// What a connection gives: film position, value and weight, to the bit.
-type Bits = (Option<[u32; 2]>, [u32; 3], u32);
+/// Film position, value and weight of a path, bit for bit.
+type Bits = ([u32; 2], [u32; 3], u32);
 
-fn bits(connection: &Connection) -> Bits {
-    let film = connection
-        .film
-        .map(|film| film.to_array().map(f32::to_bits));
-    let value = connection.value.to_array().map(f32::to_bits);
-    (film, value, connection.weight.to_bits())
+fn bits(path: &PathContribution) -> Bits {
+    let film = path.film.to_array().map(f32::to_bits);
+    let value = path.value.to_array().map(f32::to_bits);
+    (film, value, path.weight.to_bits())
 }
 
-/// All that bidirectional path tracing makes of a point, by technique.
-fn all(scene: &Scene, seed: u64) -> HashMap<Technique, Bits> {
-    let mut point = HashedPoint::new(seed);
-    let film = Vec2::from(point.read::<2>(Stream::Camera, 0));
+/// All paths that `path_sampler` makes of sample `i`, by technique.
+fn paths(scene: &Scene, i: u64, path_sampler: impl PathSampler) -> HashMap<Technique, Bits> {
     let mut found = HashMap::new();
     let mut workspace = Workspace::default();
-    let power = Heuristic::Power;
-    bdpt::connections(scene, power, film, &mut point, &mut workspace, |t, c| {
-        found.insert(t, bits(&c));
+    path_sampler.sample_paths(scene, &mut common::sample(i), &mut workspace, |path| {
+        found.insert(path.technique, bits(&path));
     });
     found
-}
-
-/// The same by one technique alone.
-fn alone(scene: &Scene, seed: u64, technique: Technique) -> Option<Bits> {
-    let mut point = HashedPoint::new(seed);
-    let film = Vec2::from(point.read::<2>(Stream::Camera, 0));
-    let mut workspace = Workspace::default();
-    let power = Heuristic::Power;
-    multiplexed::connection(scene, power, technique, film, &mut point, &mut workspace)
-        .map(|connection| bits(&connection))
 }
 
 #[test]
@@ -69,23 +50,22 @@ fn a_technique_alone_makes_the_path_that_it_makes_among_others() {
         scene.depth.max_depth = Some(LONGEST as u32);
         let mut with_light = HashMap::new();
         for seed in 0..2000 {
-            let found = all(&scene, seed);
+            let found = paths(&scene, seed, BidirectionalPathTracer);
             for edges in 1..=LONGEST {
                 for s in 0..Technique::count(edges) {
-                    let technique = Technique::of(edges, s);
-                    let (expected, got) = (
-                        found.get(&technique).copied(),
-                        alone(&scene, seed, technique),
-                    );
+                    let technique = Technique::nth(edges, s);
+                    let expected = found.get(&technique).copied();
+                    let alone = paths(&scene, seed, SingleTechnique(technique));
+                    let got = alone.get(&technique).copied();
                     assert_eq!(got, expected, "{path}, point {seed}, {technique:?}");
                     *with_light.entry(technique).or_insert(0) += u32::from(got.is_some());
                 }
             }
-            let possible = |t: &Technique| t.s < Technique::count(t.edges());
+            let possible = |t: &Technique| t.s() < Technique::count(t.edges());
             assert!(found.keys().all(possible), "{path}, point {seed}");
         }
         let tried = with_light.values().filter(|&&count| count > 20).count();
-        println!("{path}: {tried} techniques have brought light");
+        println!("{path}: {tried} techniques carry light");
         assert!(tried >= 10, "{path}: {with_light:?}");
     }
 }

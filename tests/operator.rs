@@ -1,16 +1,16 @@
 //! The light transport operator of a diffuse room, discretised and solved, against the renderer.
 //!
 //! Radiance obeys L = Le + T L (Kajiya 1986; Veach 1997, section 4.3), so L = Le + T Le + T^2 Le + ...,
-//! and paths of at most k edges carry the first k terms. Between diffuse patches T is a matrix of
-//! albedos and form factors. These are found in closed form, with what a block hides cut out of them:
-//! no ray is traced, no number is random, and nothing but the room's corners and colours is shared with
-//! the renderer. Its error falls as the square of the patches' size; two sizes give the limit
-//! (Richardson 1911).
+//! and paths of at most k edges carry the first k terms. Between diffuse patches T is a matrix of albedos
+//! and form factors. The form factors are computed in closed form, with the part occluded by a block
+//! clipped away: without rays or random numbers, and sharing only the room's geometry and colours with
+//! the renderer. The error is proportional to the square of the patch size; two sizes give the limit by
+//! extrapolation (Richardson 1911).
 //!
 //! Null hypothesis, for every tile, channel, depth and integrator: the mean over independent seeds is
-//! that limit, give or take what is known of its error. Student's test for each, and one for the whole
-//! of each image; Holm's correction over all. A correct program fails with probability ALPHA for a
-//! new choice of seeds.
+//! that limit, within the known bound on its error. Student's test for each, and for the whole of each
+//! image; Holm's correction over all. A correct program fails with probability ALPHA for a new choice of
+//! seeds.
 
 mod common;
 
@@ -22,33 +22,36 @@ mod room;
 mod views;
 
 use common::figures::{Accuracy, record};
+use common::renders::renderings;
+use common::renders::with_pssmlt;
+use common::truths::p_value;
 use glam::DVec3;
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
-use metrolight::statistics::{Moments, holm, welch};
+use metrolight::render::{Budget, Method, Rendering, Settings};
+use metrolight::statistics::{Moments, holm};
 use room::{Color, Solution};
 use views::{View, views};
 
-use Integrator::{Bdpt, Path, Pssmlt};
+use Method::{Bdpt, Path, Pssmlt};
 
 const ALPHA: f64 = 1e-3;
 const SEEDS: u64 = 32;
 
-/// Radiance that is exactly 0, but for the rounding of the oracle.
+/// Radiance below this is 0 up to the rounding of the reference.
 const DARK: f64 = 1e-12;
 
 const DEPTHS: [Option<u32>; 6] = [Some(1), Some(2), Some(3), Some(4), Some(6), None];
 
-/// How finely the room is solved, and how far from the truth the limit may then be.
+/// Resolution of the solution, and bounds on the relative error of its limit.
 struct Precision {
     /// Patches along the width of the room.
     patches: [usize; 2],
-    /// Of any tile, relatively: the worst are dark ones along the foot of the block.
+    /// Of any tile; the worst are dark ones along the foot of the block.
     tile_error: f64,
     /// Of a whole image.
     image_error: f64,
 }
 
-/// The errors are bounds on the difference to [`FINE`].
+/// The errors bound the difference to [`FINE`].
 const COARSE: Precision = Precision {
     patches: [8, 16],
     tile_error: 3e-3,
@@ -61,10 +64,10 @@ const FINE: Precision = Precision {
     image_error: 2.5e-4,
 };
 
-/// Points along each side of a tile that its mean is made of.
+/// Points along each side of a tile over which its mean is taken.
 const POINTS: u32 = 6;
 
-/// By tile and depth, the limit of two solutions whose errors are as 4 to 1.
+/// The limit of two solutions, whose errors have the ratio 4 to 1, by tile and depth.
 fn limit(view: &View, [coarse, fine]: [&Solution; 2], points: u32) -> Vec<Vec<Color>> {
     let [coarse, fine] = [coarse, fine].map(|s| view.tile_means(s, &DEPTHS, points));
     let extrapolate = |c: &[Color], f: &[Color]| -> Vec<Color> {
@@ -77,25 +80,23 @@ fn limit(view: &View, [coarse, fine]: [&Solution; 2], points: u32) -> Vec<Vec<Co
         .collect()
 }
 
-/// A mean, what it should be, and where.
+/// The mean of a tile or image and its true value.
 struct Comparison {
     name: String,
     found: Moments,
     truth: f64,
-    /// Relative error that the truth may have.
+    /// Relative error allowed for the truth.
     slack: f64,
     whole_image: bool,
 }
 
 impl Comparison {
     fn p_value(&self) -> f64 {
-        // Light of exactly 0, such as direct light on the lamp's own plane.
+        // Exactly 0, such as direct light on the lamp's own plane.
         if self.truth < DARK {
             return if self.found.mean == 0.0 { 1.0 } else { 0.0 };
         }
-        let off = (self.found.mean / self.truth - 1.0).clamp(-self.slack, self.slack);
-        let exact = Moments::from_summary(self.found.count, self.truth * (1.0 + off), 0.0);
-        welch(&self.found, &exact)
+        p_value(&self.found, self.truth, self.slack)
     }
 
     fn relative_error(&self) -> f64 {
@@ -108,7 +109,7 @@ fn compare(
     view: &View,
     (depth, truth): (Option<u32>, &[Color]),
     precision: &Precision,
-    integrator: Integrator,
+    integrator: Method,
     spp: u64,
     into: &mut Vec<Comparison>,
 ) {
@@ -116,17 +117,17 @@ fn compare(
     let truth: Vec<f64> = truth.iter().flat_map(|color| color.to_array()).collect();
     let mut tiles = vec![Moments::default(); truth.len()];
     let mut whole = Moments::default();
-    for seed in 0..SEEDS {
-        let settings = Settings {
+    let settings = with_pssmlt(
+        Settings {
             budget: Budget::SamplesPerPixel(spp),
-            seed,
-            chains: 16,
-            bootstrap: Some(2_000),
             ..Settings::new(integrator)
-        };
-        let image = render(&scene, &settings, &Unobserved)
-            .expect("threads")
-            .image;
+        },
+        |own| {
+            own.chains = 16;
+            own.bootstrap = Some(2_000);
+        },
+    );
+    for Rendering { image, .. } in renderings(&scene, &settings, 0..SEEDS) {
         let values: Vec<f64> = image
             .pixels
             .iter()
@@ -238,17 +239,17 @@ fn report(case: &str, comparisons: &[Comparison]) {
     );
 }
 
-/// Form factors from a point add up to 1 in a closed room; they are exact but for rounding.
+/// Form factors from a point sum to 1 in a closed room, up to rounding.
 #[test]
 fn form_factors_add_up() {
     let error = Solution::new(8).closure_error();
     assert!(error < 1e-12, "{error:e}");
 }
 
-/// Twice as many patches and points move the limit by no more than is allowed for.
+/// Twice as many patches and points change the limit by no more than the stated bounds.
 #[test]
 #[ignore = "takes two minutes"]
-fn the_limit_is_reached() {
+fn the_limit_has_the_stated_accuracy() {
     let [coarse, fine] = COARSE.patches.map(Solution::new);
     let finest = Solution::new(FINE.patches[1]);
     let (mut tile_error, mut image_error) = (0.0_f64, 0.0_f64);

@@ -1,6 +1,6 @@
-//! Properties that hold for all inputs, tried on many: proptest looks for a counterexample and
-//! makes it small. The cases are the same in every run (`.cargo/config.toml` sets the seed); for
-//! more of them, or for others:
+//! Properties that hold for all inputs, tested on random ones: proptest searches for a counterexample and
+//! shrinks it. The cases are the same in every run (`.cargo/config.toml` sets the seed); for more or other
+//! cases:
 //!
 //!     PROPTEST_CASES=100000 PROPTEST_RNG_SEED=2 cargo test --release --test properties
 
@@ -18,7 +18,7 @@ mod warps;
 use glam::{DVec3, Vec3A};
 use proptest::prelude::*;
 
-/// A random number as the generators make them: a multiple of 2^-24 in [0, 1), with both ends.
+/// A random number as the generators make them: a multiple of 2^-24 in [0, 1), including both ends.
 fn unit() -> impl Strategy<Value = f32> {
     prop_oneof![
         8 => 0_u32..1 << 24,
@@ -28,8 +28,8 @@ fn unit() -> impl Strategy<Value = f32> {
     .prop_map(|number| number as f32 / (1 << 24) as f32)
 }
 
-/// Unit vectors: from everywhere, and near to the axes and the planes between them, where formulas
-/// change their branch or divide by nearly 0.
+/// Unit vectors in all directions, and close to the axes and coordinate planes, where formulas branch or
+/// divide by nearly 0.
 fn direction() -> impl Strategy<Value = Vec3A> {
     let component = || {
         prop_oneof![

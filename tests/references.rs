@@ -1,5 +1,5 @@
-//! Images against references that Mitsuba 3 rendered (tests/references/make_references.py): materials,
-//! textures, emitters, shapes, cameras, filters and transforms mean what they mean there.
+//! Images against references rendered by Mitsuba 3 (tests/references/make_references.py): materials,
+//! textures, emitters, shapes, cameras, filters and transforms mean the same in both.
 //!
 //! Null hypothesis, for each tile, for the whole image, and for each channel: the mean over our seeds
 //! and the mean over Mitsuba's renderings are equal. The tests are those of `common/comparison.rs`: z
@@ -12,35 +12,31 @@ mod common;
 use common::comparison::{Comparison, POWER, Renderings, normals, uniformity};
 use common::figures::{Accuracy, record};
 use common::reference::{Entry, Form, Methods, REPLICATES, Run, UNIFORMITY, manifest, read_image};
+use common::renders::with_pssmlt;
 use metrolight::analysis::lost_light;
-use metrolight::integrators::Sampler;
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::render::{Budget, Method, Settings, Unobserved, render};
 use metrolight::scene::Scene;
 use metrolight::statistics::{Moments, smallest_detectable};
+use metrolight::technique::TechniqueSet;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Part of every run of the tests.
+/// For every run of the tests.
 const QUICK: Form = Form {
     alpha: 1e-4,
     tile: [8, 8],
     seeds: 16,
 };
 
-/// With quarters of the image for tiles.
+/// Tiles are quarters of the image.
 const FINE: Form = Form {
     alpha: 1e-3,
     tile: [16, 12],
     seeds: 32,
 };
 
-/// Renders the entries that are `chosen` by path tracing, and by `others` where these find the same
-/// light.
-fn check(
-    chosen: impl Fn(&Entry) -> bool,
-    samples: u64,
-    others: impl Fn(&Scene) -> Vec<Integrator>,
-) {
+/// Renders the `chosen` entries by path tracing, and by `others` where those find the same light.
+fn check(chosen: impl Fn(&Entry) -> bool, samples: u64, others: impl Fn(&Scene) -> Vec<Method>) {
     let mut run = Run::new(QUICK);
     for (index, entry) in (0..).zip(&manifest()) {
         if !chosen(entry) || !entry.is_wanted() {
@@ -48,20 +44,24 @@ fn check(
         }
         let scene = entry.load();
         let reference = entry.reference(run.form.tile);
-        let mut integrators = vec![Integrator::Path];
+        let mut integrators = vec![Method::Path];
         if entry.methods == Methods::All {
             integrators.extend(others(&scene));
         }
         for integrator in integrators {
             let spp = match integrator {
-                Integrator::Bdpt | Integrator::Mmlt => samples,
-                Integrator::Path | Integrator::Light | Integrator::Pssmlt => 2 * samples,
+                Method::Bdpt | Method::Mmlt => samples,
+                Method::Path | Method::Light | Method::Pssmlt => 2 * samples,
             };
-            let settings = Settings {
-                budget: Budget::SamplesPerPixel(spp),
-                bootstrap: Some(1 << 16),
-                ..Settings::new(integrator)
-            };
+            let settings = with_pssmlt(
+                Settings {
+                    budget: Budget::SamplesPerPixel(spp),
+                    ..Settings::new(integrator)
+                },
+                |own| {
+                    own.bootstrap = Some(1 << 16);
+                },
+            );
             run.compare((index, entry), &scene, &settings, &reference);
         }
     }
@@ -70,32 +70,32 @@ fn check(
 
 #[test]
 fn small_scenes_equal_their_references() {
-    // Light tracing too, where nothing is seen through smooth surfaces.
-    let others = |scene: &Scene| match lost_light(scene, Sampler::Light).as_slice() {
-        [] => vec![Integrator::Bdpt, Integrator::Light],
-        _ => vec![Integrator::Bdpt],
+    // Light tracing only where nothing is seen through smooth surfaces.
+    let others = |scene: &Scene| match lost_light(scene, TechniqueSet::Light).as_slice() {
+        [] => vec![Method::Bdpt, Method::Light],
+        _ => vec![Method::Bdpt],
     };
     check(|e| !e.is_ours() && !e.is_published(), 12, others);
 }
 
-/// With lamps of a size that path tracing can find, so that all integrators can be compared.
+/// Lamps are large enough for path tracing to find, so that all integrators can be compared.
 #[test]
 fn our_scenes_equal_their_references() {
-    let others = |_: &Scene| vec![Integrator::Bdpt, Integrator::Pssmlt, Integrator::Mmlt];
+    let others = |_: &Scene| vec![Method::Bdpt, Method::Pssmlt, Method::Mmlt];
     check(Entry::is_ours, 16, others);
 }
 
 #[test]
 fn published_scenes_equal_their_references() {
-    check(Entry::is_published, 8, |_| vec![Integrator::Bdpt]);
+    check(Entry::is_published, 8, |_| vec![Method::Bdpt]);
 }
 
-/// What a reference says of its pixels and of its renderings' tiles fits together: the means, and the
-/// variances too where pixels are independent (box filter). Their ratio over the whole image is known to
-/// 0.08 or so from 32 renderings of 12 tiles. The wide tent lets neighbours share samples: the variance of
-/// tiles is four times what independent pixels would have.
+/// The two files of a reference, pixels and tiles of its renderings, agree: the means, and for independent
+/// pixels (box filter) the variances. 32 renderings of 12 tiles give their ratio over the whole image to
+/// about 0.08. With the wide tent neighbours share samples: the variance of tiles is four times that of
+/// independent pixels.
 #[test]
-fn variances_of_pixels_and_of_tiles_fit_together() {
+fn variances_of_pixels_and_of_tiles_agree() {
     for (name, range) in [("diffuse", 0.65..1.45), ("tent", 3.0..5.5)] {
         let entries = manifest();
         let entry = entries.iter().find(|e| e.name == name).expect("an entry");
@@ -118,9 +118,9 @@ fn variances_of_pixels_and_of_tiles_fit_together() {
     }
 }
 
-/// Imagined renderings of a grey image of 4 x 3 tiles, whose noise of 1% has a part that all tiles of a
-/// rendering share, as in Metropolis; tile 5 is brighter by `one`, all by `every`.
-fn imagine(stream: u64, count: u64, one: f64, every: f64) -> Renderings {
+/// Simulated renderings of a grey image of 4 x 3 tiles with noise of 1%, part of which all tiles of a
+/// rendering share, as in Metropolis; tile 5 is brighter by `one`, all tiles by `every`.
+fn simulate(stream: u64, count: u64, one: f64, every: f64) -> Renderings {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(stream);
     let image = |_| -> Vec<[f32; 3]> {
         let mut noise = normals(&mut rng, 13);
@@ -135,30 +135,30 @@ fn imagine(stream: u64, count: u64, one: f64, every: f64) -> Renderings {
     Renderings::new(images.iter().map(Vec::as_slice), 4, [1, 1])
 }
 
-/// In 400 imagined worlds, with two comparisons that share a reference, both verdicts raise false alarms
-/// as often as they say (0.05; the standard deviation of the rate is 0.011), a tile as wrong as is stated
-/// to be found is found with power 0.9 (standard deviation 0.015), and a bias of all tiles by 0.7
-/// standard errors shows in the distribution of the p-values more often than in any tile.
+/// In 400 simulations of two comparisons that share a reference, both verdicts raise false alarms at
+/// their level (0.05; the standard deviation of the rate is 0.011), a bias of the stated detectable size
+/// in one tile is detected with power 0.9 (standard deviation 0.015), and a bias of all tiles by 0.7
+/// standard errors is detected more often by the distribution of the p-values than in any tile.
 #[test]
-fn verdicts_keep_their_level_and_find_what_they_say() {
+fn verdicts_have_their_stated_level_and_power() {
     const ALPHA: f64 = 0.05;
-    const WORLDS: u64 = 400;
-    let world = |stream: u64, one: f64, every: f64| -> Vec<Comparison> {
-        let reference = imagine(stream, 32, 0.0, 0.0);
+    const RUNS: u64 = 400;
+    let comparisons = |stream: u64, one: f64, every: f64| -> Vec<Comparison> {
+        let reference = simulate(stream, 32, 0.0, 0.0);
         let compare = |i: u64| {
-            let ours = imagine(stream + i, 16, one, every);
+            let ours = simulate(stream + i, 16, one, every);
             Comparison::new(&ours, &reference, ALPHA, [2 * stream + i, stream])
         };
         vec![compare(1), compare(2)]
     };
     let rates = |first: u64, one: f64, every: f64| {
         let (mut holm, mut distribution) = (0, 0);
-        for i in 0..WORLDS {
-            let world = world(1000 * first + 3 * i, one, every);
-            holm += usize::from(world[0].smallest().0 < ALPHA);
-            distribution += usize::from(uniformity(&world, 199) < ALPHA);
+        for i in 0..RUNS {
+            let comparisons = comparisons(1000 * first + 3 * i, one, every);
+            holm += usize::from(comparisons[0].smallest().0 < ALPHA);
+            distribution += usize::from(uniformity(&comparisons, 199) < ALPHA);
         }
-        [holm, distribution].map(|n| n as f64 / WORLDS as f64)
+        [holm, distribution].map(|n| n as f64 / RUNS as f64)
     };
     let [holm, distribution] = rates(10, 0.0, 0.0);
     assert!(holm < 0.05 + 0.035, "false alarms of Holm's test: {holm}");
@@ -167,9 +167,9 @@ fn verdicts_keep_their_level_and_find_what_they_say() {
         "of the distribution: {distribution}"
     );
 
-    // What one world's noise says of itself is rough: ask the mean over some.
-    let said = (0..50).map(|i| world(90_000 + 3 * i, 0.0, 0.0)[0].catches()[0]);
-    let catchable = said.sum::<f64>() / 50.0;
+    // The detectable size estimated in one simulation is rough: average 50.
+    let stated = (0..50).map(|i| comparisons(90_000 + 3 * i, 0.0, 0.0)[0].catches()[0]);
+    let catchable = stated.sum::<f64>() / 50.0;
     let [holm, _] = rates(20, catchable, 0.0);
     assert!((holm - POWER).abs() < 0.06, "power of Holm's test: {holm}");
 
@@ -180,18 +180,18 @@ fn verdicts_keep_their_level_and_find_what_they_say() {
     );
 }
 
-/// Rays that one image of the fine form may cost; METROLIGHT_RAYS, if it is set.
-fn most_rays() -> f64 {
+/// Upper bound on the rays of one image of the fine form; METROLIGHT_RAYS overrides it.
+fn max_rays() -> f64 {
     let rays = std::env::var("METROLIGHT_RAYS");
     rays.map_or(5e7, |rays| rays.parse().expect("a number of rays"))
 }
 
-/// The bias that the fine form is to find in the median tile.
+/// Relative bias that the fine form shall detect in the median tile.
 const AIM: f64 = 0.005;
 
-/// Samples per pixel of one of our renderings so that the fine form reaches its aim. A pilot run with
-/// seeds of its own tells how noisy the scene is; where the reference alone is too noisy for the aim,
-/// half its error is enough.
+/// Samples per pixel of one of our renderings with which the fine form reaches its aim. A pilot with
+/// seeds of its own measures the scene's noise; where the reference alone is too noisy for the aim, half
+/// of its error suffices.
 fn samples_for_aim(scene: &Scene, settings: &Settings, reference: &Renderings) -> u64 {
     const SAMPLES: u64 = 16;
     const SEEDS: u64 = 8;
@@ -204,13 +204,13 @@ fn samples_for_aim(scene: &Scene, settings: &Settings, reference: &Renderings) -
         .expect("threads")
         .statistics;
     let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
-    let bootstrap = settings
-        .bootstrap
-        .filter(|_| settings.integrator.is_metropolis());
-    let samples = SAMPLES * pixels + bootstrap.unwrap_or(0);
+    let bootstrap = statistics
+        .pssmlt
+        .map_or(0, |chains| chains.bootstrap_samples);
+    let samples = SAMPLES * pixels + bootstrap;
     let rays = (statistics.closest_hit_rays + statistics.shadow_rays) as f64 / samples as f64;
 
-    // The errors that the difference has to be larger by, if both sides have the same.
+    // The detectable difference in standard errors, if both sides have the same.
     let side = Moments::from_summary(FINE.seeds, 0.0, 0.5 * FINE.seeds as f64);
     let tests = reference.moments().len() as f64;
     let quantiles = smallest_detectable(&side, &side, FINE.alpha / tests, POWER);
@@ -218,13 +218,13 @@ fn samples_for_aim(scene: &Scene, settings: &Settings, reference: &Renderings) -
     let variance = wanted.max((0.5 * reference.error()).powi(2));
     // A margin for the noise of the pilot.
     let samples = 1.2 * pilot.error().powi(2) / variance * (SEEDS * SAMPLES * pixels) as f64;
-    let samples = samples.min(most_rays() / rays) / (FINE.seeds * pixels) as f64;
+    let samples = samples.min(max_rays() / rays) / (FINE.seeds * pixels) as f64;
     (samples.ceil() as u64).max(SAMPLES)
 }
 
-/// Every scene of `scenes/` and every published scene that is here, by all integrators that find their
-/// light, finely enough to catch a bias of half a per cent of the median tile where the reference and
-/// the number of rays allow. METROLIGHT_SCENE limits it to scenes with that in their name.
+/// Every scene of `scenes/` and every published scene that is present, by all integrators that find its
+/// light, precisely enough to detect a bias of 0.5% of the median tile where the reference and the number
+/// of rays allow. METROLIGHT_SCENE limits it to scenes whose names contain its value.
 #[test]
 #[ignore = "takes ten minutes: cargo test --release --test references -- --ignored --nocapture"]
 fn scenes_equal_their_references_finely() {
@@ -235,17 +235,16 @@ fn scenes_equal_their_references_finely() {
         }
         let scene = entry.load();
         let reference = entry.reference(FINE.tile);
-        let integrators = Integrator::ALL.into_iter().filter(|&integrator| {
-            integrator == Integrator::Path
+        let integrators = Method::ALL.into_iter().filter(|&integrator| {
+            integrator == Method::Path
                 || entry.methods == Methods::All
-                    && (integrator != Integrator::Light
-                        || lost_light(&scene, Sampler::Light).is_empty())
+                    && (integrator != Method::Light
+                        || lost_light(&scene, TechniqueSet::Light).is_empty())
         });
         for integrator in integrators {
-            let mut settings = Settings {
-                bootstrap: Some(1 << 16),
-                ..Settings::new(integrator)
-            };
+            let mut settings = with_pssmlt(Settings::new(integrator), |own| {
+                own.bootstrap = Some(1 << 16);
+            });
             let samples = samples_for_aim(&scene, &settings, &reference);
             settings.budget = Budget::SamplesPerPixel(samples);
             let comparison = run.compare((index, entry), &scene, &settings, &reference);
@@ -270,7 +269,7 @@ fn scenes_equal_their_references_finely() {
     );
 }
 
-/// Records what the fine form found in one image.
+/// Records the result of the fine form for one image.
 fn record_image(case: &str, comparison: &Comparison) {
     let uniform = uniformity([comparison], REPLICATES);
     let [excess, error] = comparison.excess.map(|x| 100.0 * x);

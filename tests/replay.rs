@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use common::figures::{Stability, record};
 use metrolight::film::{Decode, read_image};
 use metrolight::render::{
-    Budget, Integrator, Origin, Replay, ReplayError, Settings, Unobserved, render,
+    Budget, Method, Replay, ReplayError, SampleId, Settings, Unobserved, render,
 };
 
 fn metrolight() -> Command {
@@ -95,13 +95,13 @@ fn a_replayed_pixel_is_the_pixel() {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(1),
         seed: 3,
-        ..Settings::new(Integrator::Path)
+        ..Settings::new(Method::Path)
     };
     let image = render(&scene, &settings, &Unobserved)
         .expect("threads")
         .image;
     for pixel in [0, 1, 255, 256, 700, 1199] {
-        let origin = Origin::Pixel { pass: 0, pixel };
+        let origin = SampleId::Pixel { pass: 0, pixel };
         let replay = Replay::run(&scene, &settings, origin).expect("a pixel of the image");
         let light: glam::Vec3A = replay
             .connections
@@ -120,19 +120,19 @@ fn a_replayed_pixel_is_the_pixel() {
 fn samples_that_no_render_takes_are_rejected() {
     let scene = common::load("scenes/cornell/scene.xml", &[("resx", "4"), ("resy", "3")]);
     let run = |integrator, origin: &str| {
-        let origin: Origin = origin.parse().expect("an origin");
+        let origin: SampleId = origin.parse().expect("an origin");
         Replay::run(&scene, &Settings::new(integrator), origin).err()
     };
     assert_eq!(
-        run(Integrator::Path, "pass=0,pixel=12"),
+        run(Method::Path, "pass=0,pixel=12"),
         Some(ReplayError::NoSuchPixel(12))
     );
     assert_eq!(
-        run(Integrator::Path, "bootstrap=0"),
+        run(Method::Path, "bootstrap=0"),
         Some(ReplayError::WrongIntegrator("path"))
     );
     assert_eq!(
-        run(Integrator::Pssmlt, "pass=0,pixel=0"),
+        run(Method::Pssmlt, "pass=0,pixel=0"),
         Some(ReplayError::WrongIntegrator("pssmlt"))
     );
     metrolight()

@@ -5,12 +5,10 @@ mod common;
 use std::fs;
 
 use common::workplace::{ROOM, Workplace};
-use metrolight::integrators::Technique;
 use metrolight::mitsuba::{Overrides, load_with};
-use metrolight::render::{
-    Budget, Integrator, Settings, Strategies, Unobserved, render, strategies,
-};
+use metrolight::render::{Budget, Method, Settings, Strategies, Unobserved, render, strategies};
 use metrolight::scene::Scene;
+use metrolight::technique::Technique;
 use predicates::prelude::*;
 use predicates::str::contains;
 
@@ -19,7 +17,7 @@ fn settings(threads: usize) -> Settings {
         budget: Budget::SamplesPerPixel(6),
         seed: 5,
         threads: Some(threads),
-        ..Settings::new(Integrator::Bdpt)
+        ..Settings::new(Method::Bdpt)
     }
 }
 
@@ -93,7 +91,7 @@ fn each_technique_finds_its_light() {
     };
     let found = strategies(&scene, &settings, &Unobserved).expect("images");
     let mean = |s: usize, t: usize| {
-        let technique = Technique { s, t };
+        let technique = Technique::new(s, t);
         let mut images = found.images.iter();
         let images = images.find(|images| images.technique == technique);
         let pixels = &images.expect("the technique").unweighted.pixels;

@@ -1,9 +1,9 @@
 //! Each technique (s, t) alone: which paths it finds, and how much light they carry.
 //!
-//! Veach (1997, section 8.3) tells from the class of a path, that is from where on it light is
-//! reflected diffusely and where by mirrors or smooth glass, which techniques find it. Each of these
-//! must find it, without help from weights they must all find the same light, no other technique may
-//! find anything, and what none finds must be reported as lost.
+//! Veach (1997, section 8.3) predicts which techniques find a path from its class, the sequence of diffuse
+//! and specular vertices. Each predicted technique must find paths of the class; unweighted, they must all
+//! find the same light; no other technique may find any; and light that none finds must be reported as
+//! lost.
 //!
 //! Statistical tests have fixed seeds and reject at p < ALPHA after Holm's correction: a correct
 //! program fails one of them with that probability for a new choice of seeds.
@@ -24,11 +24,11 @@ use common::figures::{Accuracy, record};
 use common::truths::images;
 use measure::{HALVES, Key, Measured};
 use metrolight::analysis::{Loss, lost_light};
-use metrolight::integrators::Sampler;
 use metrolight::math::{Rgb, luminance};
-use metrolight::render::Integrator;
+use metrolight::render::Method;
 use metrolight::scene::Scene;
 use metrolight::statistics::{Moments, holm, welch};
+use metrolight::technique::TechniqueSet;
 use plates::plates;
 
 const ALPHA: f64 = 1e-4;
@@ -36,14 +36,14 @@ const ALPHA: f64 = 1e-4;
 /// Pairs of subpaths per scene.
 const SAMPLES: usize = 512_000;
 
-/// A class is judged if one technique has found so many of its paths: then every other one that can
+/// A class is tested if one technique has found this many of its paths; then every other technique that can
 /// find it must have found some.
 const ENOUGH: u64 = 2000;
 
-/// Fewer paths than this give no variance to test with.
+/// Too few paths give no reliable variance.
 const TESTABLE: u64 = 200;
 
-/// A scene, what is in it, and what was measured.
+/// A scene and the measurements of its techniques.
 struct Case {
     emitter: Emitter,
     lens: Lens,
@@ -68,12 +68,12 @@ impl Case {
     }
 
     fn predicted(&self, class: Class, technique: (usize, usize)) -> bool {
-        // A light that is seen directly is left to technique (0, 2).
+        // Directly visible lights are left to technique (0, 2).
         technique != (1, 1) && finds(self.emitter, self.lens, class, technique)
     }
 
-    /// Asserts that exactly the predicted techniques find each class, and returns the classes with
-    /// enough paths to tell.
+    /// Asserts that exactly the predicted techniques find each class; returns the classes with enough
+    /// paths.
     fn assert_predicted_sets(&self) -> Vec<Class> {
         let measured = &self.measured;
         let mut judged = Vec::new();
@@ -100,8 +100,8 @@ impl Case {
         judged
     }
 
-    /// Null hypotheses: for each class and half of the film, every technique alone has the mean of
-    /// every other, and so has the weighted sum of all.
+    /// Null hypotheses, for each class and half of the film: all techniques alone have the same mean, which
+    /// is also that of their weighted sum.
     fn agreements(&self, classes: &[Class]) -> Vec<(f64, String)> {
         let measured = &self.measured;
         let mut tests = Vec::new();
@@ -133,7 +133,7 @@ impl Case {
                         &weighted,
                     ));
                 }
-                // A technique that no other shares a class with has all the weight.
+                // The only technique of a class has weight 1.
                 let predicted = techniques(class.edges()).filter(|&t| self.predicted(class, t));
                 if let ([only], 1) = (able.as_slice(), predicted.count()) {
                     let off = weighted.mean - alone(*only).mean;
@@ -144,20 +144,20 @@ impl Case {
         tests
     }
 
-    /// Asserts that the report of lost light names the surfaces that a sampler shows too dark, whose
-    /// classes no technique of it finds.
+    /// Asserts that the report of lost light names the surfaces that a sampler renders too dark, because
+    /// none of its techniques finds their classes.
     fn assert_lost_light_is_reported(&self) {
         let behind = &self.measured.behind;
         let (mut path, mut bidirectional) = (BTreeSet::new(), BTreeSet::new());
-        // An area light can always be hit.
+        // Camera subpaths can hit area lights.
         if self.emitter != Emitter::Area {
             path = behind.lit.clone();
             bidirectional = behind.lit.intersection(&behind.seen).cloned().collect();
         }
         for (sampler, expected) in [
-            (Sampler::Path, &path),
-            (Sampler::Light, &behind.seen),
-            (Sampler::Bidirectional, &bidirectional),
+            (TechniqueSet::Path, &path),
+            (TechniqueSet::Light, &behind.seen),
+            (TechniqueSet::Bidirectional, &bidirectional),
         ] {
             let name = format!("{}, {sampler:?}", self.name());
             assert_eq!(lost(&self.scene, sampler), *expected, "{name}");
@@ -166,15 +166,15 @@ impl Case {
         }
     }
 
-    /// Null hypothesis, for each integrator: its image has the mean of the classes that its techniques
-    /// find.
+    /// Null hypothesis, for each integrator: the mean of its image is the light of the classes that its
+    /// techniques find.
     fn images(&self, spp: u64) -> Vec<(f64, String)> {
-        Integrator::ALL
+        Method::ALL
             .into_iter()
             .map(|integrator| {
                 let of_sampler = |key: &Key| {
                     techniques(key.class.edges()).any(|(s, t)| {
-                        makes(integrator.sampler(), s, t)
+                        makes(integrator.techniques(), s, t)
                             && finds(self.emitter, self.lens, key.class, (s, t))
                     })
                 };
@@ -193,12 +193,12 @@ impl Case {
     }
 }
 
-/// True if `sampler` has technique (s, t).
-fn makes(sampler: Sampler, s: usize, t: usize) -> bool {
-    match sampler {
-        Sampler::Path => s <= 1,
-        Sampler::Light => t == 1,
-        Sampler::Bidirectional => t >= 1,
+/// True if `techniques` has technique (s, t).
+fn makes(techniques: TechniqueSet, s: usize, t: usize) -> bool {
+    match techniques {
+        TechniqueSet::Path => s <= 1,
+        TechniqueSet::Light => t == 1,
+        TechniqueSet::Bidirectional => t >= 1,
     }
 }
 
@@ -207,16 +207,16 @@ fn compare(name: &str, a: &Moments, b: &Moments) -> (f64, String) {
     (welch(a, b), format!("{name}: {}, {}", show(a), show(b)))
 }
 
-/// Names of the surfaces that have lost light which no luck could find.
-fn lost(scene: &Scene, sampler: Sampler) -> BTreeSet<String> {
-    lost_light(scene, sampler)
+/// Names of the surfaces with light that is lost with certainty.
+fn lost(scene: &Scene, techniques: TechniqueSet) -> BTreeSet<String> {
+    lost_light(scene, techniques)
         .into_iter()
         .filter(|lost| lost.loss == Loss::Always)
         .flat_map(|lost| lost.surfaces)
         .collect()
 }
 
-/// Asserts that all hold, and returns the smallest p after correction.
+/// Asserts that no test rejects; returns the smallest corrected p-value.
 fn settle(tests: &[(f64, String)]) -> f64 {
     let adjusted = holm(&tests.iter().map(|t| t.0).collect::<Vec<_>>());
     for (p, (_, text)) in adjusted.iter().zip(tests) {
@@ -247,10 +247,10 @@ fn every_technique_alone_finds_the_same_light() {
     }
 }
 
-/// The scene with a sphere light shows which classes there are; a point light in its place has lost
-/// some of them.
+/// The scene with a sphere light shows which classes exist; with a point light in its place some of them
+/// are lost.
 #[test]
-fn techniques_find_what_theory_says_and_the_rest_is_reported() {
+fn techniques_find_the_predicted_classes_and_the_rest_is_reported() {
     let area = Case::new(Emitter::Area, Lens::Pinhole, true, 6, SAMPLES);
     let point = Case::new(Emitter::Point, Lens::Pinhole, true, 6, SAMPLES);
     let directional = Case::new(Emitter::Directional, Lens::Thin, true, 6, SAMPLES);
@@ -280,10 +280,10 @@ fn techniques_find_what_theory_says_and_the_rest_is_reported() {
         classes += judged.len();
     }
     let p = settle(&tests);
-    // What the point light has lost is there: the sphere light in its place is seen by it.
+    // The light lost with the point light exists: it is found with the sphere light in its place.
     let between = &area.measured.behind.both;
     assert!(between.contains("floor"), "{between:?}");
-    assert!(between.is_subset(&lost(&point.scene, Sampler::Bidirectional)));
+    assert!(between.is_subset(&lost(&point.scene, TechniqueSet::Bidirectional)));
     record(
         "accuracy",
         &Accuracy {

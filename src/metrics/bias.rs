@@ -1,18 +1,18 @@
-//! Do two images with known standard errors have the same expectation?
+//! A test of bias: do two images with known standard errors have the same expectation?
 //!
 //! Both images are cut into square tiles, and Welch's test compares the means of each tile and
 //! channel; Holm's correction over all of them keeps the probability of any false alarm at the level
-//! of the whole test. The variance of a tile's mean follows from those of its n pixels, s_i^2, if one
-//! knows how the pixels hang together:
+//! of the whole test. The variance of a tile's mean follows from those of its n pixels, s_i^2, and from
+//! their correlation:
 //!
-//! - independent pixels (path tracing, where each has samples of its own): sum of s_i^2 / n^2;
-//! - whatever their correlation: at most (sum of s_i / n)^2, by the inequality of Cauchy and Schwarz.
-//!   It is reached where all pixels err alike.
+//! - independent pixels (path tracing, where each has its own samples): sum of s_i^2 / n^2;
+//! - any correlation: at most (sum of s_i / n)^2, by the Cauchy-Schwarz inequality, with equality if all
+//!   errors are fully correlated.
 //!
-//! One splat lands on all pixels that its reconstruction filter reaches, a light subpath makes several
-//! splats, a Markov chain stays in a neighbourhood, and b is one for the whole image. So pixels of all
-//! methods but path tracing hang together, more than anyone can read off the file, and only a test with
-//! the second variance keeps its level.
+//! One splat contributes to all pixels that its reconstruction filter reaches, a light subpath makes
+//! several splats, a Markov chain stays in a neighbourhood, and b is common to the whole image. Pixels of
+//! all methods but path tracing are thus correlated, by an amount that the file does not state, and only
+//! a test with the second variance keeps its level.
 
 use std::ops::Range;
 
@@ -26,35 +26,34 @@ pub const TILE: usize = 8;
 /// Probability of a false alarm of the whole test.
 pub const LEVEL: f64 = 0.01;
 
-/// The smallest difference that is reported is found with this probability.
+/// Probability with which the smallest detectable difference is detected.
 pub const POWER: f64 = 0.9;
 
-/// Differences of tile means below this, relative to the reference, are none: images without variance
-/// differ by the rounding of 32-bit floats.
+/// Differences of tile means below this, relative to the reference, are ignored: images without variance
+/// differ by rounding.
 const NEGLIGIBLE: f64 = 1e-5;
 
-/// An image that says how sure it is.
+/// An image with its standard errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate<'a> {
     /// Its pixels, in rows from the top.
     pub pixels: &'a [[f32; 3]],
     /// The standard error of each.
     pub standard_errors: &'a [[f32; 3]],
-    /// Independent parts of the samples that the standard errors come from: each has one degree of
-    /// freedom less. `None` if unknown: they are then taken as exact.
+    /// Number of independent parts of the samples that the standard errors come from, which have one degree
+    /// of freedom less. `None` if unknown: they are then taken as exact.
     pub parts: Option<u64>,
-    /// True if the pixels are known to err independently of each other.
+    /// True if the errors of pixels are known to be independent.
     pub independent_pixels: bool,
 }
 
-/// What the test says.
+/// The verdict of the test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BiasVerdict {
-    /// Some tile differs by more than the errors allow, whatever the correlation of the pixels.
+    /// Some tile differs by more than the errors allow for any correlation of the pixels.
     Differs,
-    /// Some tile differs by more than independent pixels allow, but not by more than pixels that err
-    /// alike do.
+    /// Some tile differs by more than independent pixels allow, but not by more than fully correlated ones.
     Unclear,
     /// No tile differs by more than independent pixels allow.
     NoneFound,
@@ -63,26 +62,26 @@ pub enum BiasVerdict {
 /// The result of a test of two images.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BiasTest {
-    /// What it says.
+    /// The verdict.
     pub verdict: BiasVerdict,
     /// Number of tiles; each has three channels.
     pub tiles: usize,
-    /// Smallest p-value after Holm's correction, whatever the correlation of the pixels.
+    /// Smallest p-value after Holm's correction, valid for any correlation of the pixels.
     pub smallest_p: f64,
     /// The same for independent pixels.
     pub smallest_p_if_independent: f64,
-    /// Tiles with a channel whose corrected p-value is below [`LEVEL`], whatever the correlation.
+    /// Number of tiles with a channel whose corrected p-value, for any correlation, is below [`LEVEL`].
     pub differing_tiles: usize,
-    /// Columns and rows of the pixels of the tile with the smallest p-value (of equal ones, the first).
+    /// Columns and rows of the tile with the smallest p-value (the first of equal ones).
     pub worst_tile: [Range<usize>; 2],
-    /// Median over tiles and channels of the smallest difference that the first step of Holm's
-    /// procedure finds with probability [`POWER`], over the reference's mean; `None` if that is 0.
+    /// Median over tiles and channels of the smallest difference that the first step of Holm's procedure
+    /// detects with probability [`POWER`], over the reference's mean; `None` if that is 0.
     pub smallest_detectable: Option<f64>,
 }
 
-/// Tests the null hypothesis that `image` and `reference`, both of `width` pixels per row and as many
-/// rows as one another, have the same expectation. They must be independent; if they share random
-/// numbers in the usual way, with errors of one sign, the test finds less and raises no more alarms.
+/// Tests the null hypothesis that `image` and `reference`, both of `width` pixels per row and equal height,
+/// have the same expectation. They must be independent; with common random numbers, whose errors are
+/// positively correlated, the test has less power and no more false alarms.
 pub fn test_bias(image: &Estimate, reference: &Estimate, width: usize) -> BiasTest {
     let tiles = tiles(width, image.pixels.len() / width);
     let p_values = |independent: bool| {
@@ -96,7 +95,7 @@ pub fn test_bias(image: &Estimate, reference: &Estimate, width: usize) -> BiasTe
     let [correlated, independent] = [false, true].map(p_values);
     let smallest = |p: &[f64]| p.iter().copied().fold(1.0, f64::min);
     let [smallest_p, smallest_p_if_independent] = [&correlated, &independent].map(|p| smallest(p));
-    // Of tiles that a correction has made equal the plain test's smallest is as good as the first.
+    // Holm's correction makes ties; the p-values for independent pixels have fewer.
     let by_p = |a: &usize, b: &usize| independent[*a].total_cmp(&independent[*b]);
     let worst = (0..independent.len()).min_by(by_p).unwrap_or(0) / 3;
     BiasTest {
@@ -119,7 +118,7 @@ pub fn test_bias(image: &Estimate, reference: &Estimate, width: usize) -> BiasTe
     }
 }
 
-/// Columns and rows of each tile; those at the right and bottom borders may be smaller.
+/// Columns and rows of each tile; tiles at the right and bottom borders may be smaller.
 fn tiles(width: usize, height: usize) -> Vec<[Range<usize>; 2]> {
     let cut = |size: usize| {
         let starts = (0..size).step_by(TILE);
@@ -130,7 +129,7 @@ fn tiles(width: usize, height: usize) -> Vec<[Range<usize>; 2]> {
         .collect()
 }
 
-/// For each tile and channel, what is known of its mean in both images.
+/// For each tile and channel, the moments of its mean in both images.
 fn pairs(
     tiles: &[[Range<usize>; 2]],
     images: [&Estimate; 2],
@@ -150,17 +149,17 @@ fn relative_detectable(pairs: &[[Moments; 2]]) -> Option<f64> {
         .map(|[a, b]| smallest_detectable(a, b, level, POWER));
     let mut differences: Vec<f64> = differences.collect();
     differences.sort_by(f64::total_cmp);
-    // All tiles weigh alike here: at the borders this is the mean of the image, nearly.
+    // Tiles have equal weights, so up to the smaller tiles at the borders this is the mean of the image.
     let mean = pairs.iter().map(|[_, b]| b.mean).sum::<f64>() / pairs.len() as f64;
     (mean > 0.0).then(|| differences[differences.len() / 2] / mean)
 }
 
 impl Estimate<'_> {
-    /// Degrees of freedom that stand for exactly known standard errors.
+    /// Degrees of freedom for exactly known standard errors.
     const EXACT: f64 = 1e9;
 
-    /// The mean of channel `c` in a tile as a sample that gives it its standard error. If its pixels
-    /// may hang together, they do so at the worst, unless `independent` says otherwise.
+    /// The mean of channel `c` in a tile, as moments with its standard error. Unless pixels are known to be
+    /// independent, or `independent` treats them so, they count as fully correlated.
     fn tile(
         &self,
         [columns, rows]: &[Range<usize>; 2],
@@ -198,16 +197,17 @@ impl Estimate<'_> {
 mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     const WIDTH: usize = 24;
     const HEIGHT: usize = 20;
     const PARTS: usize = 16;
 
-    /// An image and standard errors from parts of mean 1 and deviation 0.5. Of the deviation a share is
-    /// common to all pixels of a row's run of 8.
+    /// An image and standard errors from parts of mean 1 and deviation 0.5, of which the fraction
+    /// `common` is common to all pixels of a tile.
     fn measured(rng: &mut Xoshiro256PlusPlus, common: f64) -> [Vec<[f32; 3]>; 2] {
-        let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let mut normal = || rng.sample::<f64, _>(StandardNormal);
         let mut pixels = vec![[Moments::default(); 3]; WIDTH * HEIGHT];
         for _ in 0..PARTS {
             let shared: Vec<f64> = (0..WIDTH * HEIGHT / 64 + 9).map(|_| normal()).collect();
@@ -263,8 +263,8 @@ mod tests {
         assert_eq!(tiles(9, 8), [[0..8, 0..8], [8..9, 0..8]]);
     }
 
-    /// Null hypothesis true: of 200 tests at level 0.01, 2 +- 1.4 give an alarm. With errors common to a
-    /// tile, those that take pixels for independent give one nearly always, and the verdict none.
+    /// Under the null hypothesis, of 200 tests at level 0.01, 2 +- 1.4 raise an alarm. With errors common
+    /// to a tile, tests that treat pixels as independent nearly always do, and the verdict does not.
     #[test]
     fn no_more_false_alarms_than_the_level() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_difference_of_the_size_that_is_said_to_be_found_is_found() {
+    fn a_difference_of_the_detectable_size_is_detected() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
         let reference = measured(&mut rng, 0.0);
         let mut image = measured(&mut rng, 0.0);
@@ -304,11 +304,11 @@ mod tests {
         assert_eq!(found.verdict, BiasVerdict::Differs);
         assert_eq!((found.tiles, found.differing_tiles), (9, 1));
         assert_eq!(found.worst_tile, [16..24, 8..16]);
-        // If the pixels might all err alike, such a difference might be one error.
+        // If errors may be fully correlated, such a difference is not significant.
         assert_eq!(test(&image, false).verdict, BiasVerdict::Unclear);
     }
 
-    /// Where nothing varies, equal is equal and different is different.
+    /// Without variance, the test compares for equality, up to rounding.
     #[test]
     fn exact_images_are_compared_exactly() {
         let zero = [[0.0; 3]; 64];

@@ -1,10 +1,10 @@
-//! How different two images look when one flips between them: FLIP (Andersson et al. 2020, "FLIP: a
-//! difference evaluator for alternating images") for high dynamic range (Andersson, Nilsson, Shirley
-//! and Akenine-Moeller 2021, "Visualizing errors in rendered high dynamic range images").
+//! FLIP, the perceived difference of two images when a viewer flips between them (Andersson et al. 2020,
+//! "FLIP: a difference evaluator for alternating images"), for high dynamic range (Andersson, Nilsson,
+//! Shirley and Akenine-Moeller 2021, "Visualizing errors in rendered high dynamic range images").
 //!
-//! Both images are shown at exposures from dark to bright, each tone mapped to a screen's range, and
-//! compared by FLIP. The error of a pixel is the largest over all exposures. The screen has 8 bits per
-//! channel here: a difference below its steps at every exposure is none.
+//! Both images are tone mapped at exposures from dark to bright and compared by FLIP. The error of a pixel
+//! is the largest over all exposures. Images are quantized to 8 bits per channel: a difference below one
+//! step at every exposure is lost.
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use rayon::prelude::*;
@@ -13,24 +13,24 @@ use crate::film::Image;
 use crate::film::png::encode_srgb;
 use crate::math::{Rgb, luminance};
 
-/// How different two images look.
+/// The perceived difference of two images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flip {
-    /// Mean of `errors`: the one number that the authors recommend.
+    /// Mean of `errors`, the summary that the authors recommend.
     pub mean: f64,
     /// Per pixel, from 0 (none) to 1.
     pub errors: Vec<f32>,
-    /// Pixels per degree of the visual angle: how far away the observer is thought to sit. 67 stands
-    /// for a screen of 3840 pixels, 0.7 m wide, 0.7 m away.
+    /// Pixels per degree of the visual angle of the assumed observer. 67 corresponds to a screen of 3840
+    /// pixels, 0.7 m wide, 0.7 m away.
     pub pixels_per_degree: f32,
     /// The darkest and the brightest exposure, in stops.
     pub exposures: [f64; 2],
-    /// Number of exposures, both of these included; 1 if they are one.
+    /// Number of exposures, including both; 1 if they are equal.
     pub count: usize,
 }
 
 /// Coefficients k_0 to k_5 of the ACES tone mapper (k_0 x^2 + k_1 x + k_2) / (k_3 x^2 + k_4 x + k_5)
-/// as the paper has it: Narkowicz's fit (2016, "ACES filmic tone mapping curve") for 0.6 x.
+/// as in the paper: Narkowicz's fit (2016, "ACES filmic tone mapping curve") for 0.6 x.
 const ACES: [f64; 6] = [
     0.6 * 0.6 * 2.51,
     0.6 * 0.03,
@@ -44,8 +44,8 @@ const ACES: [f64; 6] = [
 /// median at the last (section 3 of the paper).
 const ANCHOR: f64 = 0.85;
 
-/// Compares `image` with `reference`: both of one size and finite. `go_on` is told the part of the work
-/// that is done and says whether to go on; `None` if it said no.
+/// Compares `image` with `reference`, which have the same size and finite values. `go_on` receives the
+/// fraction of the work done; if it returns false, the comparison is cancelled and returns `None`.
 pub fn flip(
     image: &Image,
     reference: &Image,
@@ -53,13 +53,13 @@ pub fn flip(
 ) -> Option<Flip> {
     let exposures = exposures(reference);
     let [start, stop] = exposures;
-    // A stop, or nearly, between two exposures, as in the authors' program.
+    // About one stop between two exposures, as in the authors' program.
     let count = match stop - start {
         range if range > 0.0 => (range.ceil() as usize).max(2),
         _ => 1,
     };
     let mut errors = vec![0.0; reference.pixels.len()];
-    // Rounds of as many exposures as there are threads: no more maps are kept at once.
+    // Rounds of as many exposures as threads limit the number of maps in memory.
     let threads = rayon::current_num_threads();
     for first in (0..count).step_by(threads) {
         if !go_on(first as f64 / count as f64) {
@@ -68,7 +68,7 @@ pub fn flip(
         let round = first..count.min(first + threads);
         let maps = round.into_par_iter().map(|i| {
             let exposure = start + (stop - start) * i as f64 / (count - 1).max(1) as f64;
-            let [reference, image] = [reference, image].map(|image| shown(image, exposure));
+            let [reference, image] = [reference, image].map(|image| tone_mapped(image, exposure));
             nv_flip::flip(reference, image, DEFAULT_PIXELS_PER_DEGREE).to_vec()
         });
         for map in maps.collect::<Vec<_>>() {
@@ -87,8 +87,8 @@ pub fn flip(
 }
 
 /// The exposures at which the largest and the median luminance of `reference` are mapped to
-/// [`ANCHOR`], in stops. Where more than half of it is black, the median is that of its lit pixels: no
-/// exposure would show the other. Exposure 0 alone if all is black.
+/// [`ANCHOR`], in stops. If more than half of the pixels are black, the median is that of the others, as no
+/// exposure maps 0 to the anchor. Exposure 0 alone if all are black.
 fn exposures(reference: &Image) -> [f64; 2] {
     let luminances = reference.pixels.iter().map(|&p| luminance(Rgb::from(p)));
     let mut luminances: Vec<f64> = luminances.map(f64::from).collect();
@@ -106,8 +106,8 @@ fn exposures(reference: &Image) -> [f64; 2] {
     [largest, middle].map(|y| (anchor / y).log2())
 }
 
-/// The image at an exposure, tone mapped, on a screen with 8 bits per channel. Negative light is none.
-fn shown(image: &Image, exposure: f64) -> FlipImageRgb8 {
+/// The image at an exposure, tone mapped, with 8 bits per channel. Negative values count as 0.
+fn tone_mapped(image: &Image, exposure: f64) -> FlipImageRgb8 {
     let scale = exposure.exp2();
     let values = image.pixels.iter().flatten();
     let bytes: Vec<u8> = values
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_looks_like_itself_and_like_nothing_else() {
+    fn only_equal_images_have_no_error() {
         let reference = ramp(0.1);
         assert_eq!(mean(&reference, &reference), 0.0);
         assert_eq!(mean(&image(|_, _| [0.0; 3]), &image(|_, _| [0.0; 3])), 0.0);
@@ -158,9 +158,9 @@ mod tests {
         assert!(0.0 < near && near < far && far < 1.0, "{near} {far}");
     }
 
-    /// What the authors' program gives (PyPI flip-evaluator 1.7, evaluate(reference, test, "HDR")), which
-    /// compares in floating point where we have 8 bits. On ramps as smooth as these the steps of 8 bits
-    /// matter more than on renders, where both agree to 0.3%.
+    /// Results of the authors' program (PyPI flip-evaluator 1.7, evaluate(reference, test, "HDR")), which
+    /// compares in floating point, not in 8 bits. Quantization matters more on such smooth ramps than on
+    /// renders, where both agree to 0.3%.
     #[test]
     fn errors_are_those_of_the_authors() {
         let reference = ramp(0.1);
@@ -172,22 +172,23 @@ mod tests {
                 flip.mean
             );
             let [start, stop] = flip.exposures;
-            // Of an even number of pixels the authors take the upper middle one for the median.
+            // The authors' median of an even number of pixels is the upper middle one.
             assert!((start + 0.182_15).abs() < 1e-3 && (stop - 0.756_85).abs() < 3e-3);
             assert_eq!(flip.count, 2);
         }
     }
 
-    /// FLIP's largest errors: full green against full blue is the pair that its colour differences are
-    /// normalised by (Andersson et al. 2020, section 4.1), and the error is 1 without any edge.
+    /// Full green against full blue is the pair that normalises FLIP's colour differences (Andersson et al.
+    /// 2020, section 4.1): its error is 1 without any edge.
     #[test]
-    fn green_and_blue_are_as_different_as_can_be() {
+    fn green_and_blue_have_the_largest_error() {
         let flat = |rgb: [u8; 3]| FlipImageRgb8::with_data(16, 16, &rgb.repeat(256));
         let map = nv_flip::flip(flat([0, 255, 0]), flat([0, 0, 255]), 67.0).to_vec();
         assert!(map.iter().all(|&e| (e - 1.0).abs() < 1e-3), "{}", map[100]);
     }
 
-    /// The range comes from the reference alone: when all light is scaled, it moves, and the errors stay.
+    /// The exposures depend on the reference alone: if all light is scaled, they shift, and errors do not
+    /// change.
     #[test]
     fn the_scale_of_light_does_not_matter() {
         let errors = |scale: f32| flip(&ramp(0.12 * scale), &ramp(0.1 * scale), &|_| true).unwrap();
@@ -199,9 +200,9 @@ mod tests {
         assert!((one.mean - many.mean).abs() < 1e-3 * one.mean);
     }
 
-    /// A difference in the highlights alone, and one in the shadows alone, is seen at some exposure.
+    /// Differences in the highlights alone and in the shadows alone are detected.
     #[test]
-    fn highlights_and_shadows_are_both_seen() {
+    fn differences_in_highlights_and_shadows_are_detected() {
         let lamp =
             |bright: f32, dark: f32| image(move |x, _| [if x < 4 { bright } else { dark }; 3]);
         let reference = lamp(1000.0, 0.01);
@@ -223,7 +224,7 @@ mod tests {
         assert!((tone_map(64.0 * start.exp2()) - ANCHOR).abs() < 1e-6);
         assert!((tone_map(2.0 * stop.exp2()) - ANCHOR).abs() < 1e-6);
         assert_eq!(flip(&reference, &reference, &|_| true).unwrap().count, 5);
-        // Where most is black, the median is that of the light.
+        // If most pixels are black, the median is that of the others.
         let dark = image(|x, _| if x < 8 { [2.0; 3] } else { [0.0; 3] });
         assert!((exposures(&dark)[1] - stop).abs() < 1e-6);
         assert_eq!(flip(&dark, &dark, &|_| false), None);

@@ -1,4 +1,4 @@
-//! How far an image is from a reference: relMSE, FLIP, and whether the difference is bias.
+//! Metrics of the difference between an image and a reference: relMSE and others, FLIP, and a test of bias.
 
 pub mod bias;
 pub mod flip;

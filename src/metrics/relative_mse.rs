@@ -1,16 +1,16 @@
-//! How far an image is from the truth.
+//! Error measures of an image against a reference: relMSE and others.
 
 use serde::Serialize;
 
-/// Part of the mean (for squares: of the mean's square) that keeps the relative error of dark pixels
-/// finite.
+/// Fraction of the mean (for squares: of the squared mean) in the denominator that keeps the relative error
+/// of dark pixels finite.
 const FLOOR: f64 = 0.01;
 
-/// Of so many pixels one, the worst, is left out of [`ImageError::relative_mse_trimmed`].
+/// The worst of this many pixels is left out of [`ImageError::relative_mse_trimmed`].
 const PIXELS_PER_OUTLIER: usize = 1000;
 
-/// How far an image is from a reference, by the measures of the field. Means are over all pixels and
-/// channels, x and r are the values of the image and the reference, and m is the mean of r.
+/// Error measures of an image against a reference. Means are over all pixels and channels, x and r are
+/// the values of the image and the reference, and m is the mean of r.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImageError {
     /// Mean squared error: the mean of (x - r)^2, in the square of the reference's unit.
@@ -19,10 +19,9 @@ pub struct ImageError {
     pub rmse: f64,
     /// See [`relative_mse`].
     pub relative_mse: f64,
-    /// The same without the worst 0.1% of the pixels (of each full thousand one): what is left when
-    /// single bright dots, fireflies, are forgiven.
+    /// The same without the worst 0.1% of the pixels (one of each full thousand), and so without fireflies.
     pub relative_mse_trimmed: f64,
-    /// Number of pixels that are left out of it.
+    /// Number of pixels left out of `relative_mse_trimmed`.
     pub trimmed_pixels: usize,
     /// Mean absolute percentage error, as a fraction: the mean of |x - r| / (|r| + 0.01 m).
     pub mape: f64,
@@ -65,14 +64,14 @@ pub fn image_errors(image: &[[f32; 3]], reference: &[[f32; 3]]) -> ImageError {
 /// Relative mean squared error: the mean over all pixels and channels of
 /// (x - r)^2 / (r^2 + 0.01 m^2), with m the mean of the reference. After Rousselle et al. (2011,
 /// "Adaptive sampling and reconstruction using greedy error minimization", section 6), whose floor
-/// 0.01 stands for an image of mean 1: with m the measure does not change when all light is scaled.
+/// 0.01 is for an image of mean 1; the factor m^2 makes the measure independent of the scale of light.
 ///
 /// `image` and `reference` have the same number of pixels, at least one. 0 if both are black.
 pub fn relative_mse(image: &[[f32; 3]], reference: &[[f32; 3]]) -> f64 {
     mean(relative_square_errors(image, reference).into_iter())
 }
 
-/// What each pixel gives to [`relative_mse`]: the mean over its channels.
+/// Contribution of each pixel to [`relative_mse`]: the mean over its channels.
 pub fn relative_square_errors(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Vec<f64> {
     let floor = floor(reference);
     let channel = |(&x, &r): (&f32, &f32)| {
@@ -85,8 +84,8 @@ pub fn relative_square_errors(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Vec
         .collect()
 }
 
-/// What [`relative_mse`] is expected to be for an unbiased `image` whose pixels have these
-/// `standard_errors`, the image itself standing for the reference.
+/// Expectation of [`relative_mse`] for an unbiased `image` whose pixels have these `standard_errors`, with
+/// the image itself in place of the reference.
 pub fn expected_relative_mse(image: &[[f32; 3]], standard_errors: &[[f32; 3]]) -> f64 {
     let floor = floor(image);
     mean(image.iter().zip(standard_errors).flat_map(|(x, s)| {
@@ -102,7 +101,7 @@ fn floor(reference: &[[f32; 3]]) -> f64 {
     FLOOR * mean * mean
 }
 
-/// 0/0 = 0: where both are black there is no error.
+/// error / scale with 0/0 = 0, as both are black then.
 fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
@@ -160,7 +159,7 @@ mod tests {
                 "{name}: {value} {expected}"
             );
         }
-        // Of two pixels none is the worst in a thousand.
+        // Nothing is trimmed from two pixels.
         assert_eq!(errors.relative_mse_trimmed, errors.relative_mse);
         let black = image_errors(&[[0.0; 3]], &[[0.0; 3]]);
         assert_eq!((black.mse, black.mape, black.smape), (0.0, 0.0, 0.0));

@@ -1,4 +1,4 @@
-//! How long a Markov chain remembers: autocovariances and the integrated autocorrelation time
+//! Autocovariances of a Markov chain, and its integrated autocorrelation time
 //! tau = 1 + 2 sum_{k > 0} rho_k. The mean of n correlated values has variance sigma^2 tau / n, so
 //! n / tau is the effective sample size. All times are in steps of the chain.
 
@@ -16,7 +16,7 @@ pub fn autocovariance(series: &[f64], max_lag: usize) -> Vec<f64> {
 }
 
 /// Autocorrelations rho_k = c_k / c_0 of a series for k up to `max_lag`, from [`autocovariance`].
-/// NaN for a constant series, which tells nothing of its memory.
+/// NaN for a constant series.
 pub fn autocorrelation(series: &[f64], max_lag: usize) -> Vec<f64> {
     let covariances = autocovariance(series, max_lag);
     covariances.iter().map(|c| c / covariances[0]).collect()
@@ -24,10 +24,10 @@ pub fn autocorrelation(series: &[f64], max_lag: usize) -> Vec<f64> {
 
 /// Integrated autocorrelation time tau = 1 + 2 sum_{k > 0} rho_k of one series, in steps. The sum is
 /// cut by Geyer's initial monotone sequence (Geyer 1992, "Practical Markov chain Monte Carlo",
-/// section 3.3): of a reversible chain the sums rho_{2k} + rho_{2k+1} are positive and fall, so
-/// those estimated are followed as long as they are positive and are held down to the smallest so
-/// far. As in Stan the first even term after the cut is added once if it is positive, which lessens
-/// the bias where signs alternate.
+/// section 3.3): for a reversible chain the sums rho_{2k} + rho_{2k+1} are positive and decreasing, so
+/// estimates are summed while they are positive, each limited to the smallest so far. As in Stan the
+/// first even term after the cut is added once if it is positive, which reduces the bias for
+/// alternating signs.
 ///
 /// tau is at least 1 / log10(n), Stan's guard against an estimate near 0. NaN for fewer than four
 /// values, for a constant series and for one that is not finite. Costs n times the lag of the cut,
@@ -43,14 +43,14 @@ pub fn integrated_autocorrelation_time(series: &[f64]) -> f64 {
 }
 
 /// Integrated autocorrelation time of several chains of equal length n with one target, in steps.
-/// Chains that disagree count as correlation: rho_t = 1 - (W - mean_m s_m^2 rho_{t,m}) / var+, with W
+/// Differences between chains count as correlation: rho_t = 1 - (W - mean_m s_m^2 rho_{t,m}) / var+, with W
 /// the mean variance within chains and var+ = (n - 1)/n W + B/n that of all values (Vehtari et al.
 /// 2021, "Rank-normalization, folding, and localization: an improved R-hat", eqs. 2 to 3 and section
 /// 3.2). Cut as in [`integrated_autocorrelation_time`]; the effective sample size of all chains
 /// together is the number of values divided by it.
 ///
-/// NaN without chains, for chains of fewer than four values, of unequal length, all constant and
-/// alike, or not finite.
+/// NaN without chains, for chains of fewer than four values, of unequal length, all equal to one
+/// constant, or not finite.
 pub fn integrated_autocorrelation_time_of_chains(chains: &[Vec<f64>]) -> f64 {
     let Some(n) = common_length(chains).filter(|&n| n >= 4) else {
         return f64::NAN;
@@ -71,20 +71,20 @@ pub fn integrated_autocorrelation_time_of_chains(chains: &[Vec<f64>]) -> f64 {
     initial_sequence(|lag| 1.0 - (within - covariance(lag)) / total, n).max(1.0 / values.log10())
 }
 
-/// The length that all chains have.
+/// The common length of all chains; `None` if they differ, or without chains.
 pub(super) fn common_length(chains: &[Vec<f64>]) -> Option<usize> {
     let n = chains.first()?.len();
     chains.iter().all(|c| c.len() == n).then_some(n)
 }
 
-/// tau by the initial monotone sequence. `correlation` gives rho at a lag; it is asked for no more
-/// lags than are needed.
+/// tau by the initial monotone sequence. `correlation` gives rho at a lag, and is evaluated only for the
+/// lags needed.
 fn initial_sequence(mut correlation: impl FnMut(usize) -> f64, n: usize) -> f64 {
     let mut pair = [1.0, correlation(1)];
-    // Sum of the pairs that were kept, and the last of them: the next may not be larger.
+    // Sum of the pairs so far, and the last of them, which limits the next.
     let (mut sum, mut last) = (0.0, f64::INFINITY);
     let mut lag = 0;
-    // The last pair of a series that never forgets is cut off too, as Stan and ArviZ do.
+    // If no pair is negative, the last one is left out too, as in Stan and ArviZ.
     while pair[0] + pair[1] > 0.0 && lag + 4 < n {
         last = (pair[0] + pair[1]).min(last);
         sum += last;
@@ -98,7 +98,7 @@ fn is_positive(variance: f64) -> bool {
     variance.is_finite() && variance > 0.0
 }
 
-/// Welford's mean: of equal values it is exactly that value.
+/// Welford's mean, which is exact for equal values.
 fn mean(series: &[f64]) -> f64 {
     series.iter().copied().collect::<Moments>().mean
 }
@@ -108,7 +108,7 @@ fn centered(series: &[f64]) -> Vec<f64> {
     series.iter().map(|x| x - mean).collect()
 }
 
-/// 1/n sum x_i x_{i+lag}, in eight sums side by side: one alone waits for each addition.
+/// 1/n sum x_i x_{i+lag}, in eight partial sums, so that additions do not wait for each other.
 fn lagged_product(x: &[f64], lag: usize) -> f64 {
     let (a, b) = (&x[..x.len() - lag], &x[lag..]);
     let (blocks_a, blocks_b) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -149,8 +149,8 @@ mod tests {
         assert!(autocovariance(&[], 3).is_empty());
     }
 
-    /// Autoregressive series have tau = (1 + phi) / (1 - phi). Of 32 series of 20000 values the mean
-    /// estimate is within 10%; its standard error is 3% at most, the truncation lowers it by less.
+    /// Autoregressive series have tau = (1 + phi) / (1 - phi). The mean estimate of 32 series of 20000
+    /// values is within 10%; its standard error is at most 3%, its bias by truncation less.
     #[test]
     fn autocorrelation_times_are_those_of_autoregressive_series() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
@@ -169,10 +169,10 @@ mod tests {
         }
     }
 
-    /// Chains around different means do not forget: at shifts of 3 deviations 90% of the variance is
-    /// theirs, and each chain of 500 is worth about one value.
+    /// Chains with different means: at shifts of 3 deviations 90% of the variance is between chains, and
+    /// the effective sample size of each chain of 500 is about one.
     #[test]
-    fn chains_that_disagree_have_a_long_time_together() {
+    fn chains_with_different_means_have_a_long_autocorrelation_time() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
         let chains: Vec<Vec<f64>> = (0..4)
             .map(|k| {
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_tells_nothing_gives_nan() {
+    fn degenerate_series_give_nan() {
         for series in [
             vec![],
             vec![1.0, 2.0, 1.0],

@@ -1,11 +1,11 @@
-//! Have several chains reached one distribution, and what are their values worth together? R-hat and
-//! effective sample sizes after Vehtari, Gelman, Simpson, Carpenter and Bürkner (2021,
-//! "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16), which
-//! also hold for targets without mean or variance, and nested R-hat for many short chains.
+//! Convergence of several chains to one distribution: R-hat and effective sample sizes after Vehtari,
+//! Gelman, Simpson, Carpenter and Bürkner (2021, "Rank-normalization, folding, and localization: an
+//! improved R-hat", Bayesian Analysis 16), which also hold for targets without mean or variance, and
+//! nested R-hat for many short chains.
 //!
-//! Chains are equally long. What cannot be judged is NaN, as in Stan's `posterior`: chains shorter
-//! than four values or of unequal length, values that are not finite, and values that are all the
-//! same, for a constant and a chain that is stuck look alike.
+//! Chains have equal lengths. Results are NaN, as in Stan's `posterior`, for chains of fewer than four
+//! values or of unequal length, for values that are not finite, and for values that are all equal, because
+//! a constant cannot be told from a stuck chain.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -13,24 +13,24 @@ use super::Moments;
 use super::autocorrelation::{common_length, integrated_autocorrelation_time_of_chains};
 
 /// Rank-normalised split R-hat (Vehtari et al. 2021, section 4): the larger of the split R-hats of
-/// the values' normal scores, which sees a difference of location, and of the scores of their
-/// distances from the median, which sees one of scale. Near 1 if the chains agree; the paper asks for
-/// less than 1.01 of four chains or more. Infinite if every half chain is constant but they differ.
-/// Fewer than two chains give NaN here, as in ArviZ; for the rest see the module.
+/// the values' normal scores, which detects a difference of location, and of the scores of their
+/// distances from the median, which detects one of scale. Near 1 if the chains agree; the paper recommends
+/// less than 1.01 for four chains or more. Infinite if every half chain is constant but they differ. NaN
+/// also for fewer than two chains, as in ArviZ.
 pub fn r_hat(chains: &[Vec<f64>]) -> f64 {
     let Some(halves) = split(chains).filter(|_| chains.len() >= 2) else {
         return f64::NAN;
     };
     let median = quantile(&halves.concat(), 0.5);
     let folded = map(&halves, |x| (x - median).abs());
-    // Where only one of the two can be told, `max` leaves out the NaN of the other.
+    // `max` ignores NaN if only one of the two is defined.
     plain_r_hat(&normal_scores(&halves)).max(plain_r_hat(&normal_scores(&folded)))
 }
 
 /// Bulk effective sample size: that of the normal scores of split chains (Vehtari et al. 2021,
-/// section 4), by [`integrated_autocorrelation_time_of_chains`]. In values: how many independent ones
-/// would tell as much of the location. It exceeds their number where steps go to and fro. One chain
-/// suffices.
+/// section 4), by [`integrated_autocorrelation_time_of_chains`]: the number of independent values with the
+/// same information on the location. It exceeds the number of values for negative autocorrelation. One
+/// chain suffices.
 pub fn bulk_ess(chains: &[Vec<f64>]) -> f64 {
     split(chains).map_or(f64::NAN, |halves| {
         effective_sample_size(&normal_scores(&halves))
@@ -39,13 +39,12 @@ pub fn bulk_ess(chains: &[Vec<f64>]) -> f64 {
 
 /// Tail effective sample size (Vehtari et al. 2021, section 4.3): the smaller of those of the
 /// indicators x <= q for the quantiles q at 5% and at 95% (interpolated, type 7 of Hyndman and Fan
-/// 1996). An indicator that is the same for all values tells nothing and is left out; with both so,
-/// NaN.
+/// 1996). A constant indicator is left out; NaN if both are constant.
 pub fn tail_ess(chains: &[Vec<f64>]) -> f64 {
     let Some(halves) = split(chains) else {
         return f64::NAN;
     };
-    // Of an odd number of values the middle one counts for the quantile, as in ArviZ.
+    // The quantile includes the middle values that `split` leaves out, as in ArviZ.
     let all = chains.concat();
     let ess = |level| {
         let limit = quantile(&all, level);
@@ -56,16 +55,16 @@ pub fn tail_ess(chains: &[Vec<f64>]) -> f64 {
 
 /// Nested R-hat (Margossian, Hoffman, Sountsov, Riou-Durand, Vehtari and Gelman 2024, "Nested R-hat:
 /// assessing the convergence of Markov chain Monte Carlo when running many short chains", Bayesian
-/// Analysis, section 3): sqrt(1 + B / W). `superchains` are groups of chains, a group's chains
-/// start at one point and share no further random number. B is the variance between the means of the
+/// Analysis, section 3): sqrt(1 + B / W). `superchains` are groups of chains; the chains of a group
+/// start at one point and are independent given it. B is the variance between the means of the
 /// groups, W the mean over groups of the variance between its chains' means plus the mean variance
 /// within its chains. At least 1. Of converged chains, with M chains in a group, it is about
-/// sqrt(1 + 1/M): it tells whether the start is forgotten even where each chain is as short as one
-/// value, then with 0 for the variance within.
+/// sqrt(1 + 1/M): it tells whether the starts are forgotten even for chains of one value, whose variance
+/// within is 0.
 ///
 /// NaN for fewer than two groups, for groups or chains of unequal size, without chains or values, for
-/// groups of one chain of one value, for values not finite or all the same; infinite where only the
-/// groups differ.
+/// groups of one chain of one value, for values not finite or all equal; infinite if only the groups
+/// differ.
 pub fn nested_r_hat(superchains: &[Vec<Vec<f64>>]) -> f64 {
     let size = superchains.first().map_or(0, Vec::len);
     let chains = superchains.concat();
@@ -86,8 +85,8 @@ pub fn nested_r_hat(superchains: &[Vec<Vec<f64>>]) -> f64 {
     (1.0 + between.variance() / within.mean).sqrt()
 }
 
-/// Both halves of every chain, so that a drift within a chain shows as a difference between chains;
-/// of an odd number of values the middle one is left out. `None` for what the module calls NaN.
+/// Both halves of every chain, so that a drift within a chain becomes a difference between chains; the
+/// middle value of an odd number is left out. `None` where results are NaN.
 fn split(chains: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let n = common_length(chains).filter(|&n| n >= 4)?;
     let finite = chains.iter().flatten().all(|x| x.is_finite());
@@ -96,7 +95,7 @@ fn split(chains: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 }
 
 /// Normal scores of all values together: Phi^-1((r - 3/8) / (S + 1/4)) with r the rank from 1 to S,
-/// the mean one among ties (Vehtari et al. 2021, eq. 14; the offset is Blom's of 1958).
+/// the mean rank for ties (Vehtari et al. 2021, eq. 14; the offset is Blom's of 1958).
 fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let all: Vec<f64> = chains.iter().flatten().copied().collect();
     let normal = Normal::standard();
@@ -108,8 +107,9 @@ fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     chains.iter().map(chain_scores).collect()
 }
 
-/// Ranks from 1 on, the mean one among ties.
+/// Ranks from 1, with mean ranks for ties.
 pub(super) fn mean_ranks(values: &[f64]) -> Vec<f64> {
+    // Not statrs' `ranks`: it panics at NaN, and does not tie equal infinities.
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
     let mut ranks = vec![0.0; values.len()];
@@ -139,13 +139,14 @@ fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
 
 /// Quantile of type 7: linear between the order statistics at level (n - 1).
 fn quantile(values: &[f64], level: f64) -> f64 {
+    // Not statrs' `quantile`, which is of type 8.
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let position = level * (sorted.len() - 1) as f64;
     let below = position as usize;
     let above = (below + 1).min(sorted.len() - 1);
     let share = position - below as f64;
-    // Between equal values it is that value, to the bit.
+    // Exact between equal values.
     sorted[below] + share * (sorted[above] - sorted[below])
 }
 
@@ -245,11 +246,11 @@ mod tests {
         assert_close(nested_r_hat(&groups), 1.003_141_819_784_559, 1e-12);
     }
 
-    /// Of 200 independent sets of four chains of 1000 values, R-hat exceeds 1.01 in none (its excess is
-    /// of order 1e-3) and the bulk size is right to 10% in the mean, whose standard error is 1%. A shift
-    /// of one chain by 0.6 deviations, and a scale of 2, are seen in all.
+    /// For 200 independent sets of four chains of 1000 values, R-hat never exceeds 1.01 (its excess is of
+    /// order 1e-3), and the mean bulk size is right to 10%, with a standard error of 1%. A shift of one
+    /// chain by 0.6 deviations, and a scale of 2, are always detected.
     #[test]
-    fn r_hat_tells_chains_that_differ() {
+    fn r_hat_detects_chains_that_differ() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(8);
         let mut ess = Moments::default();
         for _ in 0..200 {
@@ -269,10 +270,10 @@ mod tests {
         assert_close(ess.mean, 4000.0 * 0.7 / 1.3, 0.1);
     }
 
-    /// Many chains of one value each: groups of 64 that have forgotten their starts lie near
-    /// sqrt(1 + 1/64) = 1.008; groups shifted by their starts do not.
+    /// Many chains of one value each: nested R-hat of groups of 64 that have forgotten their starts is near
+    /// sqrt(1 + 1/64) = 1.008; that of groups shifted by their starts is not.
     #[test]
-    fn nested_r_hat_tells_starts_that_are_not_forgotten() {
+    fn nested_r_hat_detects_starts_that_are_not_forgotten() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(9);
         let mut groups: Vec<Vec<Vec<f64>>> = (0..32)
             .map(|_| (0..64).map(|_| autoregressive(&mut rng, 1, 0.0)).collect())
@@ -286,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_judged_is_nan() {
+    fn degenerate_chains_give_nan() {
         let constant = vec![vec![0.1; 8]; 3];
         let short = vec![vec![1.0, 2.0, 3.0]; 2];
         let unequal = vec![vec![1.0, 2.0, 3.0, 4.0], vec![1.0; 5]];
@@ -298,7 +299,7 @@ mod tests {
         assert!(nested_r_hat(&[]).is_nan());
         assert!(nested_r_hat(&[vec![vec![0.1; 3]; 2], vec![vec![0.1; 3]; 2]]).is_nan());
         assert!(nested_r_hat(&[vec![vec![1.0]], vec![vec![2.0]]]).is_nan());
-        // Stuck in different places: as far from agreement as can be.
+        // Stuck in different states.
         assert_eq!(r_hat(&[vec![1.0; 8], vec![2.0; 8]]), f64::INFINITY);
         // Two values, evenly mixed: distances from the median are constant, the values are not.
         let coin = [vec![0.0, 1.0, 0.0, 1.0], vec![1.0, 0.0, 1.0, 0.0]];

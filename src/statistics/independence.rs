@@ -4,9 +4,9 @@ use super::convergence::mean_ranks;
 use super::normal_two_sided;
 
 /// Spearman's test (1904). Null hypothesis: the pairs (a_i, b_i) are independent of each other and a_i
-/// is independent of b_i. rho is the correlation of the ranks, means among ties; under the null
-/// hypothesis its variance is 1/(n - 1) whatever the distributions, and rho sqrt(n - 1) is about
-/// standard normal for n of 30 or more (Kendall and Gibbons 1990, "Rank correlation methods", section
+/// is independent of b_i. rho is the correlation of the ranks, mean ranks for ties; under the null
+/// hypothesis its variance is 1/(n - 1) for any distributions, and rho sqrt(n - 1) is about standard
+/// normal for n of 30 or more (Kendall and Gibbons 1990, "Rank correlation methods", section
 /// 4.3). 1 for fewer than 10 pairs and where one side is constant.
 ///
 /// # Panics
@@ -51,9 +51,8 @@ mod tests {
         assert_eq!(spearman(&a, &[1.0; 10]), 1.0);
     }
 
-    /// Independent pairs, with ties: of 1000 p-values the distance from uniform stays below 1.95 /
-    /// sqrt(1000) but once in 1000 choices of seed. Pairs of correlation 1/2 are found in
-    /// more than 290 of 300 runs.
+    /// Independent pairs with ties: the distance of 1000 p-values from uniform exceeds 1.95 / sqrt(1000)
+    /// for one seed in 1000. Pairs of correlation 1/2 are detected in more than 290 of 300 runs.
     #[test]
     fn spearman_keeps_its_level_and_has_power() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);

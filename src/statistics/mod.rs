@@ -1,4 +1,4 @@
-//! Hypothesis tests, diagnostics of Markov chains and error metrics; nothing of rendering.
+//! Hypothesis tests and diagnostics of Markov chains, independent of rendering.
 
 pub mod autocorrelation;
 pub mod convergence;

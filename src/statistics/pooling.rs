@@ -1,11 +1,11 @@
 //! Sparse cells of a table of counts, pooled until the chi-square approximation holds for each.
 
 /// Assigns cells of these `sizes` to pools of at least `least` each, smallest cells first: the pool of
-/// each cell, and the number of pools. What remains in the end joins the last pool. With less than
-/// `least` in all there are no pools and the number is 0.
+/// each cell, and the number of pools. The remainder joins the last pool. If all cells together are smaller
+/// than `least`, the number of pools is 0.
 ///
-/// A test keeps its level if sizes do not depend on what it asks for: expected counts, or totals of
-/// the groups that it compares.
+/// A test keeps its level if the sizes are independent of its statistic under the null hypothesis: expected
+/// counts, or totals of the compared groups.
 pub(super) fn pool_sparse(sizes: &[f64], least: f64) -> (Vec<usize>, usize) {
     let mut order: Vec<usize> = (0..sizes.len()).collect();
     order.sort_by(|&i, &j| sizes[i].total_cmp(&sizes[j]));
@@ -15,7 +15,7 @@ pub(super) fn pool_sparse(sizes: &[f64], least: f64) -> (Vec<usize>, usize) {
         size += sizes[i];
         rest -= sizes[i];
         pool_of[i] = pools;
-        // Close a pool only if the rest suffices for another one; sums of sizes are not exact.
+        // Close a pool only if the rest suffices for another; sums of sizes have rounding errors.
         if size >= least && rest >= least * (1.0 - 1e-9) {
             pools += 1;
             size = 0.0;
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pools_are_large_enough_and_lose_no_cell() {
+    fn pools_are_large_enough_and_include_every_cell() {
         let (pool_of, pools) = pool_sparse(&[9.0, 1.0, 2.0, 3.0, 7.0, 0.0], 5.0);
         assert_eq!((pool_of, pools), (vec![2, 0, 0, 0, 1, 0], 3));
         // The last two cells are too few for a pool of their own.

@@ -1,12 +1,12 @@
-//! How sure a measured rate is.
+//! Confidence intervals of measured rates.
 
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// Clopper and Pearson's interval for a probability of which `successes` of `trials` were seen (1934,
-/// "The use of confidence or fiducial limits illustrated in the case of the binomial"): it holds the
-/// truth with probability `level` or more, whatever the truth is. Its ends are the Beta quantiles
-/// B((1 - level)/2; s, n - s + 1) and B((1 + level)/2; s + 1, n - s), 0 for no success and 1 for
-/// nothing but successes. Without trials, and for more successes than trials, [0, 1].
+/// Clopper and Pearson's interval for a probability from `successes` of `trials` (1934, "The use of
+/// confidence or fiducial limits illustrated in the case of the binomial"): it covers the true value with
+/// probability `level` or more, for any true value. Its ends are the Beta quantiles
+/// B((1 - level)/2; s, n - s + 1) and B((1 + level)/2; s + 1, n - s), or 0 without successes and 1 without
+/// failures. Without trials, and for more successes than trials, [0, 1].
 pub fn clopper_pearson(successes: u64, trials: u64, level: f64) -> [f64; 2] {
     let failures = trials.saturating_sub(successes);
     let quantile = |a: u64, b: u64, at: f64| {
@@ -16,7 +16,7 @@ pub fn clopper_pearson(successes: u64, trials: u64, level: f64) -> [f64; 2] {
     if successes > trials {
         return [0.0, 1.0];
     }
-    // A Beta distribution with a zero parameter does not exist: there the ends are 0 and 1.
+    // A Beta distribution has no zero parameter; the ends are 0 and 1 then.
     let low = quantile(successes, failures + 1, 0.5 * (1.0 - level));
     let high = quantile(successes + 1, failures, 0.5 * (1.0 + level));
     [low.unwrap_or(0.0), high.unwrap_or(1.0)]
@@ -46,10 +46,10 @@ mod tests {
         }
     }
 
-    /// Summed over all outcomes, the interval at 0.95 holds the truth with at least that probability,
-    /// for every truth tried: no chance is involved.
+    /// Summed over all outcomes, the interval at 0.95 covers the true value with at least that probability,
+    /// for every true value tried. The test is not random.
     #[test]
-    fn intervals_hold_the_truth_as_often_as_they_say() {
+    fn intervals_have_their_stated_coverage() {
         use statrs::distribution::{Binomial, Discrete};
         let intervals: Vec<[f64; 2]> = (0..=40).map(|k| clopper_pearson(k, 40, 0.95)).collect();
         for i in 1..100 {

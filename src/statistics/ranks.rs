@@ -1,13 +1,13 @@
-//! Is one value among others at a random place? The rank test of a chain's correctness.
+//! The rank test of a chain's correctness: is the rank of one value among others uniform?
 
 use rand::{Rng, RngExt};
 
 use super::chi_square;
 
-/// Rank of `value` among `others`: the number of them below it, plus one of 0 to t at random for t
-/// ties. From 0 to the number of others. If all are exchangeable the rank is uniform, with atoms too
-/// (Gandy and Scott 2020, "Unit testing for MCMC and other Monte Carlo methods", arXiv 2001.06465,
-/// section 3). NaN in `others` counts as above; NaN as `value` as below.
+/// Rank of `value` among `others`: the number of them below it, plus a uniform random number from 0 to t
+/// for t ties. From 0 to the number of others. If all are exchangeable the rank is uniform, also for
+/// distributions with atoms (Gandy and Scott 2020, "Unit testing for MCMC and other Monte Carlo methods",
+/// arXiv 2001.06465, section 3). NaN in `others` counts as larger; NaN as `value` as smaller.
 pub fn rank_among(value: f64, others: &[f64], rng: &mut impl Rng) -> usize {
     let below = others.iter().filter(|&&x| x < value).count();
     let ties = others.iter().filter(|&&x| x == value).count();
@@ -16,18 +16,18 @@ pub fn rank_among(value: f64, others: &[f64], rng: &mut impl Rng) -> usize {
 
 /// Rank test. Null hypothesis: the independent `ranks` are uniform on 0 to `largest`. For a chain, a
 /// rank is that of the start, drawn exactly from the target, among `largest` states of the chain run
-/// from it forward and, by the reversed kernel, backward, the start at a random place among them
+/// from it forward and, by the reversed kernel, backward, with the start at a random position among them
 /// (Gandy and Scott 2020, section 3, after Besag and Clifford 1989).
 ///
-/// Chi-square over all ranks; where that leaves fewer than 5 values for one, over n/5 bins of
-/// neighbouring ranks, as equal as they can be. 1 for fewer than 10 ranks.
+/// Chi-square over all ranks, or, if that expects fewer than 5 values per rank, over n/5 bins of
+/// neighbouring ranks of nearly equal size. 1 for fewer than 10 ranks.
 ///
 /// # Panics
 /// If a rank is above `largest`.
 pub fn rank_uniformity(ranks: &[usize], largest: usize) -> f64 {
     let possible = largest.saturating_add(1);
     let bins = possible.min(ranks.len() / 5).max(1);
-    // Wide, for the product of two large numbers.
+    // u128, because the product of two large numbers may overflow.
     let bin_of = |rank: usize| (rank as u128 * bins as u128 / possible as u128) as usize;
     let mut observed = vec![0; bins];
     for &rank in ranks {
@@ -43,9 +43,10 @@ pub fn rank_uniformity(ranks: &[usize], largest: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_level_kept, normal};
+    use super::super::testing::assert_level_kept;
     use super::*;
     use rand::SeedableRng;
+    use rand_distr::StandardNormal;
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     #[test]
@@ -57,7 +58,7 @@ mod tests {
         for _ in 0..400 {
             seen[rank_among(1.0, &[1.0, 0.0, 1.0, 2.0], &mut rng)] += 1;
         }
-        // Each of 1, 2, 3 has mean 133 and deviation 9.4: 60 is eight deviations away.
+        // Each of 1, 2, 3 has mean 133 and deviation 9.4; 60 is eight deviations below.
         assert!(
             seen[0] == 0 && seen[1..].iter().all(|&n| n > 60),
             "{seen:?}"
@@ -67,15 +68,15 @@ mod tests {
         assert!((rank_uniformity(&ranks, 1) - 0.067_889_154_861_829).abs() < 1e-9);
         assert_eq!(rank_uniformity(&[3; 9], 7), 1.0);
         assert_eq!(rank_uniformity(&[], 0), 1.0);
-        // More ranks than values: bins of unequal size expect what belongs to them.
+        // More ranks than values: expected counts are proportional to the size of the bins.
         let spread: Vec<usize> = (0..53).collect();
         assert!(rank_uniformity(&spread, 52) > 0.99);
     }
 
-    /// Ranks of a value among others of its kind, with atoms, 200 ranks in each of 1000 runs and
-    /// largest ranks on both sides of the need for bins: no more false alarms than the level allows,
-    /// and the mean p-value is 0.5 within 4 deviations of 0.009. A value with twice the deviation
-    /// of the others is found in more than 95 of 100 runs at level 0.01.
+    /// Ranks of a value among others of its distribution, with atoms, 200 ranks in each of 1000 runs,
+    /// with and without bins: no more false alarms than the level allows, and the mean p-value is 0.5
+    /// within 4 deviations of 0.009. A value with twice the deviation of the others is detected in more
+    /// than 95 of 100 runs at level 0.01.
     #[test]
     fn the_rank_test_keeps_its_level_and_has_power() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(41);
@@ -84,7 +85,7 @@ mod tests {
             for run in 0..1000 {
                 let mut ranks = |scale: f64| -> Vec<usize> {
                     let mut rank = || {
-                        let mut value = || (4.0 * normal(&mut rng)).round();
+                        let mut value = || (4.0 * rng.sample::<f64, _>(StandardNormal)).round();
                         let others: Vec<f64> = (0..largest).map(|_| value()).collect();
                         rank_among(scale * value(), &others, &mut rng)
                     };

@@ -1,13 +1,13 @@
-//! Is one series stationary, or does it still come from somewhere? Both tests need the variance of a
-//! mean of correlated values, S / n, with S the spectral density at frequency zero.
+//! Tests of the stationarity of one series. Both need the variance of a mean of correlated values, S / n,
+//! with S the spectral density at frequency zero.
 
 use super::autocorrelation::{autocovariance, integrated_autocorrelation_time};
 use super::{Moments, normal_two_sided};
 
 /// Spectral density at frequency zero, S = sum over all lags of the autocovariance: n times the
 /// variance of the mean of n values, n large. Estimated as c_0 tau with Geyer's initial monotone
-/// sequence ([`integrated_autocorrelation_time`]), which is not an autoregressive fit as in the R
-/// package coda. In squared units of the series. NaN where tau is.
+/// sequence ([`integrated_autocorrelation_time`]), not by an autoregressive fit as in the R package
+/// coda. In squared units of the series. NaN where tau is.
 pub fn spectral_density_at_zero(series: &[f64]) -> f64 {
     let variance = autocovariance(series, 0).first().copied();
     variance.unwrap_or(f64::NAN) * integrated_autocorrelation_time(series)
@@ -16,14 +16,13 @@ pub fn spectral_density_at_zero(series: &[f64]) -> f64 {
 /// Geweke's diagnostic (Geweke 1992, "Evaluating the accuracy of sampling-based approaches to the
 /// calculation of posterior moments"): z = (m_a - m_b) / sqrt(S_a/n_a + S_b/n_b) for the mean of the
 /// first 10% and of the last 50% of a series, S by [`spectral_density_at_zero`] of each part.
-/// Null hypothesis: the series is stationary; z is then about standard normal, as far as the shorter
-/// part spans a hundred autocorrelation times or more. [`normal_two_sided`] gives the p-value.
+/// Null hypothesis: the series is stationary; z is then about standard normal if the shorter part spans a
+/// hundred autocorrelation times or more. [`normal_two_sided`] gives the p-value.
 ///
-/// It finds a drift that lasts longer than the first part. A transient that is over within it counts
-/// as correlation there, makes S_a large and hides itself: [`heidelberger_welch`], whose S is from the
-/// second half, finds that.
+/// It detects a drift that lasts longer than the first part. A transient within that part increases S_a and
+/// is missed; [`heidelberger_welch`], whose S is from the second half, detects it.
 ///
-/// NaN for fewer than 40 values, where a part is constant and where one is not finite.
+/// NaN for fewer than 40 values, and if a part is constant or not finite.
 pub fn geweke(series: &[f64]) -> f64 {
     let n = series.len();
     if n < 40 {
@@ -41,11 +40,11 @@ pub fn geweke_p_value(series: &[f64]) -> f64 {
     normal_two_sided(geweke(series))
 }
 
-/// What Heidelberger and Welch's test found.
+/// Result of Heidelberger and Welch's test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeidelbergerWelch {
-    /// How many values at the beginning must be left out for the rest to pass; `None` if it does not
-    /// pass even when half of them are.
+    /// Number of values to discard at the beginning for the rest to pass; `None` if the second half does
+    /// not pass.
     pub discarded: Option<usize>,
     /// P-value of the rest, or of the second half if none passes.
     pub p_value: f64,
@@ -53,10 +52,9 @@ pub struct HeidelbergerWelch {
 
 /// Heidelberger and Welch's stationarity test (1983, "Simulation run length control in the presence of
 /// an initial transient", Operations Research 31, section 2; steps as in coda's `heidel.diag`): the
-/// first 0, 10, 20, ... 50% of the series are left out until [`stationarity_p_value`] of the rest is at
-/// least `level`, with S always from the second half. As up to
-/// six tests are made until one passes, the last p-value is not uniform, and fewer than `level` of
-/// stationary series fail.
+/// first 0, 10, 20, ... 50% of the series are discarded until [`stationarity_p_value`] of the rest is at
+/// least `level`, with S always from the second half. As up to six tests are made until one passes, the
+/// last p-value is not uniform, and stationary series fail with a probability below `level`.
 ///
 /// Fails, with p NaN, for fewer than eight values, a constant second half and values not finite.
 pub fn heidelberger_welch(series: &[f64], level: f64) -> HeidelbergerWelch {
@@ -104,7 +102,7 @@ pub fn stationarity_p_value(series: &[f64], density: f64) -> f64 {
 /// statistic, exceeds `x`. One minus the series of Anderson and Darling (1952) in the form of Csörgő
 /// and Faraway (1996, "The exact and asymptotic distributions of Cramér-von Mises statistics", J. R.
 /// Statist. Soc. B 58, eq. 1.3): 1 / (pi^{3/2} sqrt(x)) sum_k Gamma(k + 1/2) / k! sqrt(4k + 1) e^{-q}
-/// K_{1/4}(q) with q = (4k + 1)^2 / (16 x). Right to 1e-12 in absolute terms; 1 for x <= 0.
+/// K_{1/4}(q) with q = (4k + 1)^2 / (16 x). Absolute error below 1e-12; 1 for x <= 0.
 pub fn cramer_von_mises_survival(x: f64) -> f64 {
     use std::f64::consts::PI;
     if x <= 0.0 {
@@ -130,8 +128,8 @@ pub fn cramer_von_mises_survival(x: f64) -> f64 {
 }
 
 /// e^{-q} K_{1/4}(q), from K_v(q) = integral over t > 0 of exp(-q cosh t) cosh(v t) (Abramowitz and
-/// Stegun 1964, 9.6.24). The integrand is even, analytic and falls doubly exponentially: the
-/// trapezoidal rule with step 1/8 is right to rounding.
+/// Stegun 1964, 9.6.24). The integrand is even and analytic and decays doubly exponentially, so the
+/// trapezoidal rule with step 1/8 is exact up to rounding.
 fn damped_bessel(q: f64) -> f64 {
     let step = 0.125;
     let mut sum = 0.5 * (-2.0 * q).exp();
@@ -140,7 +138,7 @@ fn damped_bessel(q: f64) -> f64 {
         let t = step * f64::from(i);
         let term = (-q * (1.0 + t.cosh())).exp() * (0.25 * t).cosh();
         sum += term;
-        // For small q terms grow at first.
+        // For small q terms increase at first.
         if term <= 1e-18 * sum && term <= first {
             break;
         }
@@ -192,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_judged_is_nan() {
+    fn degenerate_series_give_nan() {
         let failed = heidelberger_welch(&[], 0.05);
         assert!(failed.discarded.is_none() && failed.p_value.is_nan());
         for series in [vec![1.0; 3], vec![0.1; 200], vec![f64::NAN; 200]] {
@@ -205,11 +203,11 @@ mod tests {
     }
 
     /// 1000 stationary series of 4000 values with tau = 3. Geweke's p-values are uniform (false alarm
-    /// rate 1e-3), as are those of the first step of Heidelberger and Welch; with all its steps it
-    /// fails for no more than the level. A shift of the first 15% by 0.7 deviations is found
-    /// by Geweke in more than 95% at level 0.01. A start at 8 deviations that is forgotten at a rate of
-    /// 1/100 he hardly ever finds; Heidelberger and Welch do in more than 90%, and accept what is left
-    /// after some of it is discarded.
+    /// rate 1e-3), as are those of the first step of Heidelberger and Welch; with all its steps no more
+    /// series fail than the level allows. A shift of the first 15% by 0.7 deviations is detected by
+    /// Geweke in more than 95% at level 0.01. A start at 8 deviations that decays at a rate of 1/100 is
+    /// hardly ever detected by Geweke; Heidelberger and Welch detect it in more than 90% and accept the
+    /// rest after discarding a part.
     #[test]
     fn tests_of_stationarity_keep_their_level_and_have_power() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(51);
@@ -240,7 +238,7 @@ mod tests {
         assert!(geweke_found > 950, "{geweke_found} of 1000");
         assert!(
             hidden < 50,
-            "{hidden} of 1000: Geweke's note is out of date"
+            "{hidden} of 1000: the note on transients in `geweke` is wrong"
         );
         assert!(discarded > 900, "{discarded} of 1000");
     }

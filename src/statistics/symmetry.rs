@@ -1,6 +1,6 @@
-//! Does a step of a chain leave the distribution as it is (marginal homogeneity), and does it go
-//! from i to j as often as from j to i (symmetry, that is, detailed balance)? Both tests compare
-//! matched pairs: the state before and the state after, each named by the cell it lies in.
+//! Tests of whether a step of a chain preserves its distribution (marginal homogeneity), and whether it
+//! goes from i to j as often as from j to i (symmetry, that is, detailed balance). Both compare matched
+//! pairs: the states before and after a step, each given by its cell.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use statrs::distribution::{Beta, ChiSquared, ContinuousCDF};
 use super::pooling::pool_sparse;
 use crate::math::inverse_form;
 
-/// What a test of symmetry found.
+/// Result of a test of symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymmetryTest {
     /// Its statistic: about chi-square with `freedom` degrees under the null hypothesis.
     pub statistic: f64,
-    /// Degrees of freedom after pooling; 0 if there was too little to test.
+    /// Degrees of freedom after pooling; 0 if there were too few pairs.
     pub freedom: usize,
     /// Probability of a larger statistic under the null hypothesis; 1 without degrees of freedom.
     pub p_value: f64,
@@ -33,9 +33,9 @@ impl SymmetryTest {
 /// and i to j is as probable as j to i. The statistic is sum_{i<j} (n_ij - n_ji)^2 / (n_ij + n_ji).
 ///
 /// Pairs of cells with n_ij + n_ji < 10, which expect fewer than 5 each way, are pooled: the counts
-/// above the diagonal are added up, and those below. Given their sum they too are a fair coin's. Pools
-/// go by that sum alone, so the level is kept; but opposite asymmetries in one pool cancel. Counts on
-/// the diagonal say nothing.
+/// above the diagonal are added up, and those below; given their sum they are binomial with probability
+/// 1/2 too. Pools depend on that sum alone, so the level is kept; but opposite asymmetries in one pool
+/// cancel. Counts on the diagonal carry no information.
 ///
 /// # Panics
 /// If the table is not square.
@@ -66,22 +66,22 @@ pub fn bowker(table: &[Vec<u64>]) -> SymmetryTest {
 }
 
 /// Test of marginal homogeneity of Stuart (1955, "A test for homogeneity of the marginal distributions
-/// in a two-way classification", Biometrika 42) and Maxwell (1970), for pairs in clusters. A unit is
-/// whatever is independent of the others: a pair, or all pairs of one chain. It is given by its
-/// differences d, (cell, count after - count before), sparse; a cell named twice counts twice. Null
-/// hypothesis: d has mean 0 in every cell.
+/// in a two-way classification", Biometrika 42) and Maxwell (1970), for pairs in clusters. A unit is a
+/// cluster independent of the others: a pair, or all pairs of one chain. It is given by its sparse
+/// differences d, (cell, count after - count before); a cell listed twice counts twice. Null hypothesis: d
+/// has mean 0 in every cell.
 ///
-/// The statistic is s' A^-1 s with s = sum d and A = sum d d' over units. With one pair in each unit
-/// this is Stuart's and Maxwell's to the letter, where s_i = n_.i - n_i. and A_ii = n_i. + n_.i - 2 n_ii,
-/// A_ij = -(n_ij + n_ji); A estimates the covariance whatever the dependence within units (as Liang
-/// and Zeger 1986 do). Dependent cells, as those of counts that are kept, are left out: `freedom` is
-/// the rank r. For normal d, statistic / n is Beta distributed with r/2 and (n - r)/2, n the number of
-/// units with a change; this is Hotelling's T^2 in other words (Anderson 2003, section 5.2) and tends
-/// to chi-square with r degrees. It gives the p-value, for few units are the rule.
+/// The statistic is s' A^-1 s with s = sum d and A = sum d d' over units. With one pair in each unit this
+/// is exactly Stuart's and Maxwell's, where s_i = n_.i - n_i. and A_ii = n_i. + n_.i - 2 n_ii, A_ij =
+/// -(n_ij + n_ji); A estimates the covariance for any dependence within units (as in Liang and Zeger
+/// 1986). Linearly dependent cells, as of counts with a constant sum, are left out: `freedom` is the rank
+/// r. For normal d, statistic / n is Beta distributed with r/2 and (n - r)/2, n the number of units with
+/// a change; this is equivalent to Hotelling's T^2 (Anderson 2003, section 5.2) and tends to chi-square
+/// with r degrees. It gives the p-value, because units are usually few.
 ///
 /// Cells are merged until max(10, 5 m) units change each, with m the mean number of cells that a unit
-/// changes, so that r is at most n/5. The rule sees only whether there is a change, not its sign:
-/// exchanging before and after alters nothing, so that the level is kept.
+/// changes, so that r is at most n/5. The rule depends on whether there is a change, not on its sign, and
+/// is thus invariant under exchange of before and after, so that the level is kept.
 pub fn stuart_maxwell<U: AsRef<[(usize, f64)]>>(units: &[U]) -> SymmetryTest {
     let changes: Vec<BTreeMap<usize, f64>> = units
         .iter()
@@ -117,7 +117,7 @@ pub fn stuart_maxwell<U: AsRef<[(usize, f64)]>>(units: &[U]) -> SymmetryTest {
 
 /// The test of mean zero from sums of d and d d' over `n` units.
 fn wald(mut s: Vec<f64>, mut a: Vec<f64>, n: f64) -> SymmetryTest {
-    // To unit diagonal: cells with few changes are no less independent than the others.
+    // Scale to unit diagonal, so that the rank does not depend on the number of changes of a cell.
     let k = s.len();
     let scale: Vec<f64> = (0..k).map(|i| a[i * k + i].sqrt().recip()).collect();
     for i in 0..k {
@@ -139,7 +139,7 @@ fn wald(mut s: Vec<f64>, mut a: Vec<f64>, n: f64) -> SymmetryTest {
     }
 }
 
-/// Differences added up by cell; those that cancel are left out.
+/// Sums of differences by cell, without zeros.
 fn sums(changes: impl Iterator<Item = (usize, f64)>) -> BTreeMap<usize, f64> {
     let mut sums = BTreeMap::new();
     for (cell, change) in changes {
@@ -164,8 +164,8 @@ mod tests {
     ];
 
     /// statsmodels 0.15: SquareTable(TABLE, shift_zeros=False).symmetry() -> 13.384615, 6 degrees,
-    /// p = 0.0373183; .homogeneity() -> 0.5532190, 3 degrees, p = 0.907053 by chi-square, from
-    /// which Beta is off by terms of order 1/n.
+    /// p = 0.0373183; .homogeneity() -> 0.5532190, 3 degrees, p = 0.907053 by chi-square, which
+    /// differs from Beta by terms of order 1/n.
     #[test]
     fn both_tests_match_a_worked_example() {
         let found = bowker(&TABLE.map(Vec::from));
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_gives_one() {
+    fn too_few_pairs_give_one() {
         assert_eq!(bowker(&[]), SymmetryTest::NOTHING);
         assert_eq!(bowker(&[vec![9, 4], vec![5, 9]]), SymmetryTest::NOTHING);
         assert_eq!(stuart_maxwell::<[_; 0]>(&[]), SymmetryTest::NOTHING);
@@ -203,10 +203,10 @@ mod tests {
         assert_close(pooled.statistic, 100.0 / 30.0, 1e-12);
     }
 
-    /// 1000 tables of 400 pairs over 12 cells whose probabilities fall fast, so that most pairs of
+    /// 1000 tables of 400 pairs over 12 cells whose probabilities decrease fast, so that most pairs of
     /// cells are pooled. A product of equal margins is symmetric: uniform p-values (false alarm rate
-    /// 1e-3). Where one step in two goes up by one cell, wrapping round, both margins of a uniform
-    /// start are alike but the flow is not: found in more than 95% at level 0.01.
+    /// 1e-3). If one step in two goes up by one cell, modulo 12, both margins of a uniform start are
+    /// equal but the flow is asymmetric: detected in more than 95% at level 0.01.
     #[test]
     fn bowkers_test_keeps_its_level_and_has_power() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(31);
@@ -232,12 +232,11 @@ mod tests {
         assert!(found > 950, "{found} of 1000");
     }
 
-    /// 1000 runs of 150 chains, each with 20 pairs that share a start and so hang together: uniform
-    /// p-values (false alarm rate 1e-3), for dense units; for single pairs, which are discrete, no
-    /// more alarms than the level allows. A step that drifts up in one of four pairs is found in more
-    /// than 95% at level 0.01. Taking the pairs for independent would raise a false alarm at 0.05 in
-    /// more than 90 of 100 runs: the clusters
-    /// matter.
+    /// 1000 runs of 150 chains, each with 20 pairs that are correlated by a common start: uniform
+    /// p-values (false alarm rate 1e-3) for dense units; for single pairs, which are discrete, no more
+    /// alarms than the level allows. A step that drifts up in one of four pairs is detected in more than
+    /// 95% at level 0.01. Treating the pairs as independent would raise a false alarm at 0.05 in more
+    /// than 90 of 100 runs.
     #[test]
     fn stuart_and_maxwells_test_keeps_its_level_and_has_power() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(32);

@@ -1,12 +1,12 @@
-//! Random series for the tests of this room, and the checks that their p-values share.
+//! Random series for the tests of this module, and checks of their p-values.
 
 use rand::RngExt;
+use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::distance_from_uniform;
 
-/// Numbers that Python makes alike to the last bit: Park and Miller's generator ("Random number
+/// Numbers that Python reproduces bit for bit: Park and Miller's generator ("Random number
 /// generators: good ones are hard to find", 1988) with multiplier 48271, started at 1.
 ///
 /// ```python
@@ -40,17 +40,12 @@ impl Lehmer {
     }
 }
 
-/// A standard normal number.
-pub fn normal(rng: &mut Xoshiro256PlusPlus) -> f64 {
-    Normal::standard().inverse_cdf(rng.random::<f64>().max(f64::MIN_POSITIVE))
-}
-
 /// A stationary autoregressive series x' = phi x + sqrt(1 - phi^2) z of variance 1. Its integrated
 /// autocorrelation time is (1 + phi) / (1 - phi).
 pub fn autoregressive(rng: &mut Xoshiro256PlusPlus, n: usize, phi: f64) -> Vec<f64> {
-    let mut x = normal(rng);
+    let mut x: f64 = rng.sample(StandardNormal);
     let step = |_| {
-        x = phi * x + (1.0 - phi * phi).sqrt() * normal(rng);
+        x = phi * x + (1.0 - phi * phi).sqrt() * rng.sample::<f64, _>(StandardNormal);
         x
     };
     (0..n).map(step).collect()
@@ -64,8 +59,8 @@ pub fn assert_uniform(p_values: &mut [f64]) {
     assert!(distance < limit, "distance {distance}, limit {limit}");
 }
 
-/// A conservative test raises no more false alarms at the levels 0.05 and 0.01 than it should, by 4
-/// standard deviations: false alarm rate of this check 3e-5 for each level at most.
+/// A conservative test does not exceed the false-alarm rates 0.05 and 0.01 by more than 4 standard
+/// deviations: the false-alarm rate of this check is at most 3e-5 for each level.
 pub fn assert_level_kept(p_values: &[f64]) {
     let n = p_values.len() as f64;
     for level in [0.05, 0.01] {

@@ -1,14 +1,13 @@
-//! Furnaces: inside a closed surface that shines with radiance 1 and reflects rho, the radiance is
-//! 1 + rho + rho^2 + ... everywhere, whatever the shape of the enclosure and whatever lossless things
-//! stand in it.
+//! Furnaces: inside a closed surface that emits radiance 1 and has albedo rho, the radiance is
+//! 1 + rho + rho^2 + ... everywhere, for any shape of the enclosure and any lossless objects in it.
 
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
-use metrolight::render::Integrator::{self, Bdpt, Light, Path, Pssmlt};
+use metrolight::render::Method::{self, Bdpt, Light, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
 
+use crate::common::scenes::{SceneBuilder, grey, sphere};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, grey, sphere};
 
 /// Textures of [`enclosure`].
 const WALL: u32 = 0;
@@ -16,7 +15,7 @@ const WHITE: u32 = 1;
 
 const DIFFUSE: Material = Material::Diffuse { reflectance: WALL };
 
-/// A metal that reflects all light, or the share of it that a texture says.
+/// A mirror with the reflectance of a texture.
 fn mirror(specular_reflectance: u32) -> Material {
     Material::Conductor {
         eta: Rgb::ZERO,
@@ -39,8 +38,8 @@ fn radiance(rho: f64, depth: Option<u32>) -> f64 {
     (1.0 - left) / (1.0 - rho)
 }
 
-/// The inside of a shining sphere, whose texture [`WALL`] is `rho`. With a second material a ball of
-/// it fills the view.
+/// The inside of an emitting sphere whose texture [`WALL`] is `rho`. If there is a second material, a ball
+/// of it fills the view.
 fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
     let fov_x = if materials.len() > 1 { 35.0 } else { 70.0 };
     let mut shapes = vec![ShapeDescription {
@@ -54,32 +53,32 @@ fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
             ..sphere(DVec3::new(0.3, -0.2, 0.9), 0.7)
         });
     }
-    Words {
+    SceneBuilder {
         materials,
         textures: vec![grey(rho), grey(1.0)],
         shapes,
         depth,
         fov_x,
         camera: DMat4::from_translation(DVec3::new(0.3, -0.2, -1.0)),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }
 
-fn compare(truths: &mut Truths, rho: f64, depth: Option<u32>, methods: &[Integrator], spp: u64) {
+fn compare(truths: &mut Truths, rho: f64, depth: Option<u32>, methods: &[Method], spp: u64) {
     let scene = enclosure(rho, vec![DIFFUSE], depth);
     let name = format!("rho {rho}, depth {depth:?}");
     truths.render(&name, &scene, methods, spp, radiance(rho, depth));
 }
 
-/// Walls of 99% make paths of some hundred edges, and one sample of bidirectional path tracing joins
-/// them in ten thousand ways: that takes an ignored test.
+/// Walls of albedo 0.99 make paths of some hundred edges, for which one sample of bidirectional path
+/// tracing has ten thousand connections: the ignored test below covers it.
 #[test]
 fn diffuse_walls() {
     let mut truths = Truths::default();
-    compare(&mut truths, 0.5, None, &Integrator::ALL, 30);
-    compare(&mut truths, 0.9, Some(3), &Integrator::ALL, 30);
-    compare(&mut truths, 0.9, None, &Integrator::ALL, 10);
+    compare(&mut truths, 0.5, None, &Method::ALL, 30);
+    compare(&mut truths, 0.9, Some(3), &Method::ALL, 30);
+    compare(&mut truths, 0.9, None, &Method::ALL, 10);
     compare(&mut truths, 0.99, None, &[Path, Light], 30);
     truths.settle(
         "closed form",
@@ -98,7 +97,7 @@ fn very_white_diffuse_walls_by_bidirectional_methods() {
     );
 }
 
-/// Mirrors that shine reflect only themselves; no light subpath can be joined to them.
+/// Emitting mirrors reflect only themselves; no light subpath connects to them.
 #[test]
 fn mirroring_walls() {
     let mut truths = Truths::default();
@@ -116,7 +115,7 @@ fn mirroring_walls() {
     truths.settle("closed form", "furnace of mirroring walls");
 }
 
-/// What loses nothing.
+/// Materials without absorption.
 fn lossless() -> [(&'static str, Material); 5] {
     [
         ("mirror", mirror(WHITE)),
@@ -127,7 +126,7 @@ fn lossless() -> [(&'static str, Material); 5] {
     ]
 }
 
-/// A ball that loses nothing is invisible between shining walls.
+/// A lossless ball is invisible between emitting walls.
 #[test]
 fn lossless_contents() {
     let mut truths = Truths::default();
@@ -142,12 +141,13 @@ fn lossless_contents() {
     );
 }
 
-/// And under an even sky: what refraction adds to radiance on entering it takes away on leaving.
+/// Under constant environment light, refraction scales radiance on entering a ball and undoes it on
+/// leaving.
 #[test]
-fn lossless_balls_under_an_even_sky() {
+fn lossless_balls_under_a_constant_environment() {
     let mut truths = Truths::default();
     for (name, ball) in lossless() {
-        let scene = Words {
+        let scene = SceneBuilder {
             materials: vec![ball],
             textures: vec![grey(1.0), grey(1.0)],
             shapes: vec![sphere(DVec3::ZERO, 1.0)],
@@ -156,10 +156,13 @@ fn lossless_balls_under_an_even_sky() {
             }],
             fov_x: 40.0,
             camera: DMat4::from_translation(DVec3::new(0.0, 0.0, -4.0)),
-            ..Words::default()
+            ..SceneBuilder::default()
         }
         .build();
         truths.render(name, &scene, &[Path, Bdpt, Pssmlt], 30, 0.8);
     }
-    truths.settle("closed form", "a ball of mirror or glass under an even sky");
+    truths.settle(
+        "closed form",
+        "a ball of mirror or glass under a constant environment",
+    );
 }

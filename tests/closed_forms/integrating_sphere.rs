@@ -1,6 +1,6 @@
-//! A point light inside a diffuse sphere. Every part of a sphere lights all others equally, so light
-//! reflected once is even all over, whatever the direct light (Walsh 1958, "Photometry"): with flux
-//! Phi into a sphere of area A, radiance is
+//! A point light inside a diffuse sphere. Every part of a sphere illuminates all others equally, so light
+//! reflected once is uniform for any direct light (Walsh 1958, "Photometry"): with flux Phi into a sphere
+//! of area A, radiance is
 //!
 //!   rho/pi (E_direct + Phi/A (rho + rho^2 + ...)).
 
@@ -8,18 +8,18 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use metrolight::math::{Rgb, luminance};
-use metrolight::render::Integrator::{self, Bdpt, Path, Pssmlt};
+use metrolight::render::Method::{self, Bdpt, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription, Texture};
 use metrolight::statistics::Moments;
 
+use crate::common::scenes::{SceneBuilder, grey, look_at, sphere};
 use crate::common::truths::{Truths, images};
-use crate::common::words::{Words, grey, look_at, sphere};
 
 const RADIUS: f64 = 2.0;
 const INTENSITY: f64 = 5.0;
 
-fn scene(words: Words, lamp: DVec3, intensity: Rgb) -> Scene {
-    Words {
+fn scene(builder: SceneBuilder, lamp: DVec3, intensity: Rgb) -> Scene {
+    SceneBuilder {
         materials: vec![Material::Diffuse { reflectance: 0 }],
         shapes: vec![ShapeDescription {
             flip_normals: true,
@@ -29,7 +29,7 @@ fn scene(words: Words, lamp: DVec3, intensity: Rgb) -> Scene {
             position: lamp,
             intensity,
         }],
-        ..words
+        ..builder
     }
     .build()
 }
@@ -41,7 +41,7 @@ fn reflected_irradiance(intensity: f64, rho: f64, depth: Option<u32>) -> f64 {
     even * rho * (1.0 - terms) / (1.0 - rho)
 }
 
-/// The wall next to a lamp that is off centre.
+/// The wall near an off-centre lamp.
 #[test]
 fn direct_and_reflected_light() {
     let mut truths = Truths::default();
@@ -55,19 +55,19 @@ fn direct_and_reflected_light() {
         (0.8, None),
         (0.9, None),
     ] {
-        let words = Words {
+        let builder = SceneBuilder {
             textures: vec![grey(rho)],
             depth,
             fov_x: 0.05,
             camera: look_at(DVec3::new(-1.0, 0.2, 0.3), target, DVec3::Z),
-            ..Words::default()
+            ..SceneBuilder::default()
         };
         let to_lamp = lamp - target;
         let cos = to_lamp.normalize().dot(-target.normalize());
         let direct = INTENSITY * cos / to_lamp.length_squared();
         let truth = rho / PI * (direct + reflected_irradiance(INTENSITY, rho, depth));
         let name = format!("rho {rho}, depth {depth:?}");
-        let scene = scene(words, lamp, Rgb::splat(INTENSITY as f32));
+        let scene = scene(builder, lamp, Rgb::splat(INTENSITY as f32));
         truths.render(&name, &scene, &[Path, Bdpt, Pssmlt], 20, truth);
     }
     truths.settle(
@@ -76,19 +76,19 @@ fn direct_and_reflected_light() {
     );
 }
 
-/// With the lamp at the centre all of the wall has one colour. The luminance of the image is b, by the
-/// statistics of the chains and in the image itself, and by the other integrators.
+/// With the lamp at the centre the wall has a single colour. The luminance of the image is b, both in the
+/// statistics of Metropolis and in the images of all integrators.
 #[test]
 fn brightness_of_a_known_image() {
     let rho = [0.3_f32, 0.6, 0.9];
     let intensity = [4.0_f32, 2.0, 1.0];
-    let words = Words {
+    let builder = SceneBuilder {
         textures: vec![Texture::Constant(Rgb::from(rho))],
         fov_x: 80.0,
         camera: look_at(DVec3::new(-1.0, 0.2, 0.3), DVec3::X, DVec3::Z),
-        ..Words::default()
+        ..SceneBuilder::default()
     };
-    let scene = scene(words, DVec3::ZERO, Rgb::from(intensity));
+    let scene = scene(builder, DVec3::ZERO, Rgb::from(intensity));
     let radiance: [f64; 3] = std::array::from_fn(|c| {
         let (rho, intensity) = (f64::from(rho[c]), f64::from(intensity[c]));
         let direct = intensity / (RADIUS * RADIUS);
@@ -96,7 +96,7 @@ fn brightness_of_a_known_image() {
     });
     let b = f64::from(luminance(Rgb::from(radiance.map(|r| r as f32))));
     let mut truths = Truths::default();
-    for integrator in Integrator::ALL {
+    for integrator in Method::ALL {
         let (mut mean, mut stated) = (Moments::default(), Moments::default());
         for rendering in images(&scene, integrator, 20) {
             let pixels = &rendering.image.pixels;
@@ -105,7 +105,7 @@ fn brightness_of_a_known_image() {
                 .map(|p| f64::from(luminance(Rgb::from(*p))))
                 .sum();
             mean.add(sum / pixels.len() as f64);
-            if let Some(metropolis) = &rendering.statistics.metropolis {
+            if let Some(metropolis) = &rendering.statistics.pssmlt {
                 stated.add(metropolis.b);
             }
         }
@@ -115,7 +115,7 @@ fn brightness_of_a_known_image() {
             mean,
             b,
         );
-        if integrator.is_metropolis() {
+        if (integrator == Method::Pssmlt) {
             truths.compare(0.0, "b in the statistics".into(), stated, b);
         }
     }

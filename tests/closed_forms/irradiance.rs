@@ -4,18 +4,18 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use metrolight::math::Rgb;
-use metrolight::render::Integrator::{self, Bdpt, Path, Pssmlt};
+use metrolight::render::Method::{self, Bdpt, Path, Pssmlt};
 use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
 
+use crate::common::scenes::{SceneBuilder, floor, grey, look_at, parallelogram, sphere};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, floor, grey, look_at, parallelogram, sphere};
 
-const METHODS: [Integrator; 3] = [Path, Bdpt, Pssmlt];
+const METHODS: [Method; 3] = [Path, Bdpt, Pssmlt];
 const RHO: f64 = 0.6;
 const LE: f64 = 3.0;
 
-/// The floor at the origin, seen from `eye`, so narrowly that irradiance is the same all over the
-/// film.
+/// The floor at the origin, seen from `eye` with so narrow a field of view that irradiance is constant over
+/// the film.
 fn floor_under(
     shapes: Vec<ShapeDescription>,
     emitters: Vec<EmitterDescription>,
@@ -23,7 +23,7 @@ fn floor_under(
 ) -> Scene {
     let mut all = vec![floor(10.0)];
     all.extend(shapes);
-    Words {
+    SceneBuilder {
         materials: vec![Material::Diffuse { reflectance: 0 }],
         textures: vec![grey(RHO)],
         shapes: all,
@@ -31,13 +31,13 @@ fn floor_under(
         depth: Some(2),
         fov_x: 0.02,
         camera: look_at(eye, DVec3::ZERO, DVec3::new(0.3, 0.1, 1.0)),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }
 
 /// Lambert's formula for the irradiance at the origin of a plane of normal +y from a polygon of
-/// radiance 1, wholly above it: E = (1/2) sum of the angles that its edges subtend, each times the
+/// radiance 1 that lies above it: E = (1/2) sum of the angles that its edges subtend, each times the
 /// cosine of its plane's normal with +y (Baum et al. 1989, "Improving radiosity solutions through the
 /// use of analytically determined form-factors", eq. 7).
 fn lambert(polygon: &[DVec3]) -> f64 {
@@ -67,20 +67,14 @@ fn lambert_agrees_with_a_published_factor() {
     }
 }
 
-/// A sphere of radiance L that is wholly above the horizon: E = pi L (R/d)^2 cos, as if all of it were
-/// at its centre.
+/// A sphere of radiance L above the horizon: E = pi L (R/d)^2 cos, as of a point light at its centre.
 #[test]
 fn sphere_lights() {
     let mut truths = Truths::default();
     for (name, center, radius, eye) in [
         ("overhead", [0.0, 3.0, 0.0], 1.0, [4.0, 4.0, 0.0]),
         ("on the horizon", [5.0, 1.0, 0.0], 1.0, [-4.0, 4.0, 0.0]),
-        (
-            "all but touching",
-            [-0.05, 1.001, 0.0],
-            1.0,
-            [4.0, 0.2, 0.0],
-        ),
+        ("nearly touching", [-0.05, 1.001, 0.0], 1.0, [4.0, 0.2, 0.0]),
         (
             "near and small",
             [-0.002, 0.01, 0.0],
@@ -105,7 +99,7 @@ fn sphere_lights() {
     );
 }
 
-/// Rectangles, parallel to the floor and tilted, by Lambert's formula.
+/// Rectangles parallel to the floor and tilted, by Lambert's formula.
 #[test]
 fn rectangle_lights() {
     let mut truths = Truths::default();
@@ -200,10 +194,10 @@ fn perpendicular_factor(h: f64, w: f64) -> f64 {
     (arcs + 0.25 * log) / (PI * w)
 }
 
-/// The floor along a shining wall. A pinhole straight above a rectangle that fills its film sees every
-/// part of it in proportion to its area: the mean of the image is the mean radiance.
+/// The floor along an emitting wall. A pinhole above a rectangle that fills its film sees every part in
+/// proportion to its area, so the mean of the image is the mean radiance.
 #[test]
-fn floor_along_a_shining_wall() {
+fn floor_along_an_emitting_wall() {
     let mut truths = Truths::default();
     for (height, width) in [(1.0, 1.0), (0.2, 2.0)] {
         let wall = ShapeDescription {
@@ -215,7 +209,7 @@ fn floor_along_a_shining_wall() {
             ..wall
         };
         let centre = DVec3::new(0.5 * width, 0.0, 0.5);
-        let scene = Words {
+        let scene = SceneBuilder {
             materials: vec![Material::Diffuse { reflectance: 0 }],
             textures: vec![grey(RHO)],
             shapes: vec![wall, floor(5.0)],
@@ -223,7 +217,7 @@ fn floor_along_a_shining_wall() {
             fov_x: 2.0 * (0.5 * width / 3.0).atan().to_degrees(),
             camera: look_at(centre + 3.0 * DVec3::Y, centre, DVec3::Z),
             film: [4 * width as u32, 4],
-            ..Words::default()
+            ..SceneBuilder::default()
         }
         .build();
         let truth = RHO * LE * perpendicular_factor(height, width);
@@ -231,13 +225,13 @@ fn floor_along_a_shining_wall() {
         truths.render(
             &name,
             &scene,
-            &[Path, Integrator::Light, Bdpt, Pssmlt],
+            &[Path, Method::Light, Bdpt, Pssmlt],
             250,
             truth,
         );
     }
     truths.settle(
         "closed form",
-        "floor along a shining wall: form factor of rectangles at right angles",
+        "floor along an emitting wall: form factor of rectangles at right angles",
     );
 }

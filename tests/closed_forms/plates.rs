@@ -1,9 +1,9 @@
-//! A plate of every material under an even sky: it shows its albedo, for the direction it is seen
-//! from, times the radiance of the sky.
+//! A plate of every material under constant environment light: its radiance is its directional albedo
+//! times the radiance of the environment.
 
 use glam::DVec3;
 use metrolight::math::Rgb;
-use metrolight::render::Integrator::{Bdpt, Path, Pssmlt};
+use metrolight::render::Method::{Bdpt, Path, Pssmlt};
 use metrolight::scene::bsdf::metals;
 use metrolight::scene::{
     Distribution, EmitterDescription, Material, Scene, ShapeDescription, Texture,
@@ -12,8 +12,8 @@ use metrolight::scene::{
 use super::published::{
     Facets, albedo, conductor_fresnel, dielectric_fresnel, internal_diffuse_reflectance,
 };
+use crate::common::scenes::{SceneBuilder, floor, grey, look_at};
 use crate::common::truths::Truths;
-use crate::common::words::{Words, floor, grey, look_at};
 
 const SKY: f64 = 0.8;
 
@@ -26,7 +26,7 @@ const RHO: f64 = 0.6;
 fn plate(material: Material, degrees: f64) -> Scene {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let eye = DVec3::new(4.0 * sin, 4.0 * cos, 0.0);
-    Words {
+    SceneBuilder {
         materials: vec![material],
         textures: vec![grey(RHO), grey(1.0)],
         shapes: vec![ShapeDescription {
@@ -36,10 +36,10 @@ fn plate(material: Material, degrees: f64) -> Scene {
         emitters: vec![EmitterDescription::Constant {
             radiance: Rgb::splat(SKY as f32),
         }],
-        // So narrow that the angle is the same all over the film.
+        // So narrow that the angle is constant over the film.
         fov_x: 0.05,
         camera: look_at(eye, DVec3::ZERO, DVec3::Z),
-        ..Words::default()
+        ..SceneBuilder::default()
     }
     .build()
 }
@@ -48,21 +48,21 @@ fn textures() -> [Texture; 2] {
     [grey(RHO), grey(1.0)]
 }
 
-/// The direction of [`plate`]'s camera in the plate's frame.
+/// Direction of [`plate`]'s camera in the plate's frame.
 fn tilted(degrees: f64) -> DVec3 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     DVec3::new(sin, 0.0, cos)
 }
 
-/// Smooth glass: what it reflects, and radiance from beyond by the square of the relative index.
+/// Smooth glass: the reflected part, and transmitted radiance over the square of the relative index.
 fn smooth_glass(eta: f64, from: DVec3) -> f64 {
     let across = if from.z > 0.0 { eta } else { 1.0 / eta };
     let reflected = dielectric_fresnel(from.z.abs(), across);
     reflected + (1.0 - reflected) / (across * across)
 }
 
-/// Mitsuba's plastic: F + (1 - F) int (1 - F_i) rho / (pi eta^2 (1 - again)) cos, where what the coat
-/// reflects back inside takes on the colour of the body each time, or does not.
+/// Mitsuba's plastic: F + (1 - F) int (1 - F_i) rho / (pi eta^2 (1 - again)) cos. In the nonlinear variant
+/// light that the coat reflects back inside is multiplied by the substrate's albedo each time.
 fn plastic(eta: f64, nonlinear: bool, from: DVec3) -> f64 {
     let fresnel = |cos: f64| dielectric_fresnel(cos, eta);
     let again = internal_diffuse_reflectance(eta) * if nonlinear { RHO } else { 1.0 };
@@ -77,8 +77,8 @@ fn plastic(eta: f64, nonlinear: bool, from: DVec3) -> f64 {
     fresnel(from.z) + (1.0 - fresnel(from.z)) * body * entering
 }
 
-/// What a plate is made of, its albedo from a direction, and how far the renderer's model is allowed to be
-/// from it: where it uses a fit, a table, or both.
+/// A material, its directional albedo, and the relative error allowed for the renderer's model where that
+/// uses a fit or a table.
 struct Case {
     name: &'static str,
     material: Material,
@@ -152,7 +152,7 @@ fn smooth_cases() -> Vec<Case> {
         specular_transmittance: WHITE,
     };
     let plastic_of = |nonlinear| Material::plastic(1.49, nonlinear, GREY, WHITE, &textures());
-    // The reflectance inside a smooth coat is a fit in the renderer, good to 1e-3.
+    // The renderer fits the internal reflectance of a smooth coat, with an error of 1e-3.
     vec![
         case("diffuse", Material::Diffuse { reflectance: GREY }, |_| RHO),
         case("gold", gold, move |from| {
@@ -186,8 +186,8 @@ fn rough_cases() -> Vec<Case> {
         rough_glass(Ggx, 0.4, 1.5),
         rough_glass(Beckmann, 0.4, 1.5),
         rough_glass(Ggx, 0.7, 0.75),
-        // Mitsuba's sum over its table for what the coat reflects back inside, which the renderer keeps,
-        // is 1.6% low.
+        // The internal reflectance of the coat from Mitsuba's table, which the renderer uses too, is 1.6%
+        // low.
         Case {
             model_error: 0.01,
             ..case("rough plastic", rough_plastic, |from| {
@@ -206,7 +206,7 @@ fn settle(cases: Vec<Case>, title: &str) {
         model_error,
     } in cases
     {
-        // From below only what transmits is not black.
+        // From below only transmitting materials are not black.
         let transmits = matches!(
             material,
             Material::Dielectric { .. } | Material::RoughDielectric { .. }
@@ -227,18 +227,18 @@ fn settle(cases: Vec<Case>, title: &str) {
 }
 
 #[test]
-fn smooth_materials_under_an_even_sky() {
+fn smooth_materials_under_a_constant_environment() {
     settle(smooth_cases(), "albedo of smooth materials");
 }
 
 #[test]
-fn rough_materials_under_an_even_sky() {
+fn rough_materials_under_a_constant_environment() {
     settle(rough_cases(), "albedo of rough materials, by quadrature");
 }
 
-/// Each side of a two-sided material is a material of its own.
+/// The two sides of a two-sided material are independent materials.
 #[test]
-fn two_sided_materials_under_an_even_sky() {
+fn two_sided_materials_under_a_constant_environment() {
     let front = rough_metal(Distribution::Ggx, 0.3, "Au");
     let material = Material::TwoSided {
         front: Box::new(front.material),

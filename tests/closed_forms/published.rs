@@ -1,5 +1,5 @@
-//! Materials after their published formulas, in f64, and their albedos by brute-force quadrature:
-//! nothing here is shared with the renderer.
+//! Materials from their published formulas, in f64, and their albedos by brute-force quadrature. No code is
+//! shared with the renderer.
 //!
 //! Directions are unit vectors in the frame of the surface, +z the normal, away from the surface.
 
@@ -24,7 +24,7 @@ pub fn dielectric_fresnel(cos: f64, eta: f64) -> f64 {
     0.5 * (perpendicular.powi(2) + parallel.powi(2))
 }
 
-/// The same for a metal of index n + i k, in complex numbers (Born and Wolf, section 14.2): with
+/// The same for a conductor of index n + i k, in complex numbers (Born and Wolf, section 14.2): with
 /// q = sqrt((n + ik)^2 - sin^2), r_s = (cos - q)/(cos + q) and r_p = (m^2 cos - q)/(m^2 cos + q).
 pub fn conductor_fresnel(cos: f64, n: f64, k: f64) -> f64 {
     let index2 = [n * n - k * k, 2.0 * n * k];
@@ -59,8 +59,7 @@ impl Facets {
         }
     }
 
-    /// Smith's G1 of a direction on either side: Beckmann's before its approximation, equations 26
-    /// and 34.
+    /// Smith's G1 of a direction on either side, equations 26 (exact, not the approximation of 27) and 34.
     fn masking(self, v: DVec3) -> f64 {
         let tan = (1.0 - v.z * v.z).max(0.0).sqrt() / v.z.abs();
         if tan == 0.0 {
@@ -104,29 +103,29 @@ impl Facets {
             / ((light.z * camera.z).abs() * (eta * light_m + camera_m).powi(2))
     }
 
-    /// Both, for radiance through a rough interface of index `eta` (+z outside, index 1).
+    /// Reflection and refraction of radiance by a rough interface of index `eta` (+z outside, index 1).
     pub fn interface(self, light: DVec3, camera: DVec3, eta: f64) -> f64 {
         let across = if camera.z > 0.0 { eta } else { 1.0 / eta };
         self.reflect(light, camera, |cos| dielectric_fresnel(cos, across))
             + self.refract(light, camera, across)
     }
 
-    /// Share of the power from `from` that a rough interface of index `eta` reflects.
+    /// Fraction of the power from `from` that a rough interface of index `eta` reflects.
     fn reflected_share(self, from: DVec3, eta: f64) -> f64 {
         albedo(from, |to, from| {
             self.reflect(to, from, |cos| dielectric_fresnel(cos, eta))
         })
     }
 
-    /// Share of the power from `from` that it lets through. By reciprocity the radiance that goes
-    /// the other way, over the square of the index that it gains (Veach 1997, eq. 5.14).
+    /// Fraction of the power from `from` that it transmits: by reciprocity, the radiance in the other
+    /// direction over the square of the index (Veach 1997, eq. 5.14).
     fn transmitted_share(self, from: DVec3, eta: f64) -> f64 {
         albedo(from, |to, from| eta * eta * self.refract(to, from, eta))
     }
 
-    /// Mitsuba's rough plastic: reflection by the coat, and the body behind it with the albedo `rho`,
-    /// f = T(l) T(c) rho / (pi eta^2 (1 - again)), where T is the coat's transmitted share and what it
-    /// reflects back inside takes on the colour of the body each time.
+    /// Mitsuba's rough plastic: reflection by the coat, and a substrate of albedo `rho` below it,
+    /// f = T(l) T(c) rho / (pi eta^2 (1 - again)), where T is the coat's transmitted fraction and light
+    /// reflected back inside is multiplied by the substrate's albedo each time.
     pub fn nonlinear_plastic(self, rho: f64, eta: f64, from: DVec3) -> f64 {
         let coat = self.reflected_share(from, eta);
         let through = 2.0 * cosine_mean(|from| self.transmitted_share(from, eta));
@@ -148,7 +147,7 @@ fn cosine_mean(f: impl Fn(DVec3) -> f64) -> f64 {
         .sum()
 }
 
-/// Share of uniform diffuse light inside a smooth boundary of index `eta` that it reflects back:
+/// Fraction of uniform diffuse light inside a smooth boundary of index `eta` that it reflects back:
 /// 2 int F(cos, 1/eta) cos dcos, by midpoints over the angle.
 pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
     const STEPS: u32 = 20_000;
@@ -169,7 +168,7 @@ pub fn albedo(from: DVec3, f: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..STEPS {
         let (sin, cos) = ((f64::from(i) + 0.5) * step).sin_cos();
-        // `from` lies in the plane y = 0, in which everything is symmetric.
+        // `from` lies in the plane y = 0, to which the integrand is symmetric.
         for j in 0..STEPS {
             let (sin_phi, cos_phi) = ((f64::from(j) + 0.5) * step).sin_cos();
             let to = DVec3::new(sin * cos_phi, sin * sin_phi, cos);

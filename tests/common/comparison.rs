@@ -1,36 +1,38 @@
-//! Independent renderings of one scene by two programs: are their means the same, and how large a
-//! difference would have shown?
+//! Compares independent renderings of one scene by two programs: are their means equal, and how large a
+//! difference would have been detected?
 //!
 //! For each tile and channel, and for each channel of the whole image, z = (a - b) / sqrt(var a + var
 //! b), where both variances are those of means over independent renderings. As these are few (16 to
-//! 32), z is drawn in by Welch's test, so that it is standard normal under the null hypothesis of equal
-//! means; with the normal distribution itself, z beyond 4 would be some ten times as frequent as it says.
-//! Two verdicts follow:
+//! 32), z is corrected by Welch's test, so that it is standard normal under the null hypothesis of equal
+//! means; uncorrected, |z| > 4 would be about ten times as frequent as the normal distribution says. Two
+//! verdicts follow:
 //!
 //! - Holm's correction over all tests of one image: is any tile or the whole image wrong?
 //! - The distribution of the p-values P(Z < z) over all tests of many images: are they uniform? Small
-//!   differences everywhere, or wrong variances, show here before any tile stands out.
+//!   differences everywhere, or wrong variances, are detected here before any single tile is significant.
 
-use metrolight::render::{Settings, Unobserved, render};
+use metrolight::render::Settings;
 use metrolight::scene::Scene;
 use metrolight::statistics::{
     Moments, distance_from_uniform, holm, normal_two_sided, smallest_detectable, welch_score,
 };
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::renders::renderings;
 use super::tiles::tile_means;
 
-/// Relative standard error below which a tile counts as without noise: it sees one colour, or next to
-/// it, and what noise it has may be rounding, far from normal.
+/// Relative standard error below which a tile counts as noiseless: it shows almost a single colour, and
+/// its noise may be rounding, which is not normal.
 const NOISELESS: f64 = 1e-4;
 
-/// Relative difference that such a tile may have.
+/// Relative difference allowed for such a tile.
 const NEGLIGIBLE: f64 = 5e-4;
 
-/// Probability with which a bias of the size that is stated is found.
+/// Probability of detecting a bias of the stated size.
 pub const POWER: f64 = 0.9;
 
 /// Independent renderings, each as the means of its tiles, then of the whole image, three channels each.
@@ -40,7 +42,7 @@ pub struct Renderings {
 }
 
 impl Renderings {
-    /// Of images of `width`, with tiles of `size` (width, height).
+    /// Reduces images of `width` to tiles of `size` (width, height).
     pub fn new<'a>(
         images: impl IntoIterator<Item = &'a [[f32; 3]]>,
         width: usize,
@@ -57,22 +59,16 @@ impl Renderings {
         Self { rows, moments }
     }
 
-    /// Ours, one for each of `seeds`; `settings` names everything else.
+    /// Ours, one for each of `seeds`; `settings` gives everything else.
     pub fn render(
         scene: &Scene,
         settings: &Settings,
         seeds: std::ops::Range<u64>,
         size: [usize; 2],
     ) -> Self {
-        let image = |seed| {
-            let settings = Settings {
-                seed,
-                ..settings.clone()
-            };
-            let image = render(scene, &settings, &Unobserved).expect("threads");
-            image.image.pixels
-        };
-        let images: Vec<Vec<[f32; 3]>> = seeds.map(image).collect();
+        let images: Vec<Vec<[f32; 3]>> = renderings(scene, settings, seeds)
+            .map(|rendering| rendering.image.pixels)
+            .collect();
         let images = images.iter().map(Vec::as_slice);
         Self::new(images, scene.film.width as usize, size)
     }
@@ -108,18 +104,18 @@ pub struct Comparison {
     /// For each of these, the deviations of our renderings and of the reference's, over the standard
     /// error of the difference.
     deviations: [Vec<Vec<f64>>; 2],
-    /// Numbers that name our renderings and the reference among all.
+    /// Identifiers of our renderings and of the reference.
     names: [u64; 2],
-    /// Smallest relative bias that would be found with probability [`POWER`], of each test.
+    /// Smallest relative bias that each test detects with probability [`POWER`].
     catchable: Vec<f64>,
-    /// By how much our whole image is brighter, and the standard error of that, relative, in green: most
-    /// of the luminance.
+    /// Relative excess of our whole image's green channel, which dominates luminance, and its standard
+    /// error.
     pub excess: [f64; 2],
 }
 
 impl Comparison {
-    /// Compares at level `alpha`. `names` are numbers for our renderings and for the reference: two
-    /// comparisons share a reference if it has the same number in both.
+    /// Compares at level `alpha`. `names` identify our renderings and the reference: comparisons with the
+    /// same second number share their reference.
     pub fn new(ours: &Renderings, reference: &Renderings, alpha: f64, names: [u64; 2]) -> Self {
         let mut all = Self {
             adjusted: Vec::new(),
@@ -156,7 +152,7 @@ impl Comparison {
         all
     }
 
-    /// The smallest adjusted p-value, and where it is.
+    /// The smallest adjusted p-value, and its index.
     pub fn smallest(&self) -> (f64, usize) {
         let p_values = self.adjusted.iter().copied().zip(0..);
         p_values
@@ -164,8 +160,8 @@ impl Comparison {
             .expect("some tests")
     }
 
-    /// The smallest relative bias that would be found with probability [`POWER`]: in the median tile,
-    /// in the worst tile, and in the whole image.
+    /// The smallest relative bias detected with probability [`POWER`]: in the median tile, in the worst
+    /// tile, and in the whole image.
     pub fn catches(&self) -> [f64; 3] {
         let (tiles, image) = self.catchable.split_at(self.catchable.len() - 3);
         let worst = |sizes: &[f64]| sizes.iter().copied().fold(0.0, f64::max);
@@ -177,9 +173,9 @@ impl Comparison {
         self.scores.iter().map(|&z| Normal::standard().cdf(z))
     }
 
-    /// Appends scores of a world like this one in which the null hypothesis is true: normal, and
-    /// correlated over tiles, channels and comparisons as the renderings are.
-    fn imagine(&self, replicate: u64, scores: &mut Vec<f64>) {
+    /// Appends scores simulated under the null hypothesis: normal, with the correlations of the
+    /// renderings over tiles, channels and comparisons.
+    fn simulate_null(&self, replicate: u64, scores: &mut Vec<f64>) {
         let [ours, reference] = [0, 1].map(|side: usize| {
             let stream = (replicate << 32) | (self.names[side] << 1) | side as u64;
             let count = self.deviations[side].first().map_or(0, Vec::len);
@@ -197,9 +193,9 @@ impl Comparison {
 /// Kolmogorov and Smirnov's test that P(Z < z) is uniform over all tests of `comparisons`. Null
 /// hypothesis: all renderings have the same means as their references. Tiles, channels and comparisons
 /// with the same reference are correlated, so that Kolmogorov's distribution does not hold: the
-/// distance is compared with those of `replicates` imagined worlds, whose deviations are those of the
-/// renderings times normal factors (Wu 1986, "Jackknife, bootstrap and other resampling methods", the
-/// wild bootstrap). The smallest possible p-value is 1 / (replicates + 1).
+/// distance is compared with those of `replicates` simulations, whose deviations are those of the
+/// renderings times normal factors (the wild bootstrap; Wu 1986, "Jackknife, bootstrap and other
+/// resampling methods"). The smallest possible p-value is 1 / (replicates + 1).
 pub fn uniformity<'a>(
     comparisons: impl IntoIterator<Item = &'a Comparison>,
     replicates: u64,
@@ -211,7 +207,7 @@ pub fn uniformity<'a>(
         let mut scores = Vec::new();
         comparisons
             .iter()
-            .for_each(|c| c.imagine(replicate, &mut scores));
+            .for_each(|c| c.simulate_null(replicate, &mut scores));
         scores
             .iter_mut()
             .for_each(|z| *z = Normal::standard().cdf(*z));
@@ -221,17 +217,9 @@ pub fn uniformity<'a>(
     (as_far.count() + 1) as f64 / (replicates + 1) as f64
 }
 
-/// Standard normal numbers (Box and Muller 1958).
+/// Standard normal numbers.
 pub fn normals(rng: &mut impl Rng, count: usize) -> Vec<f64> {
-    let mut pair = || {
-        let [u, v] = [0, 1].map(|_| (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64);
-        let radius = (-2.0 * (1.0 - u).ln()).sqrt();
-        let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
-        [radius * cos, radius * sin]
-    };
-    let mut numbers: Vec<f64> = (0..count.div_ceil(2)).flat_map(|_| pair()).collect();
-    numbers.truncate(count);
-    numbers
+    rng.sample_iter(StandardNormal).take(count).collect()
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -1,8 +1,8 @@
-//! Figures that tests measure, kept for the tables and charts in `docs/`.
+//! Results of tests, recorded for the tables and charts in `docs/`.
 //!
 //! With `METROLIGHT_FIGURES=DIR` in the environment every row that a test records is appended to
-//! `DIR/TABLE.jsonl`, one JSON object a line; `docs/make_figures.py` makes tables and charts of
-//! them. So the documents show what the tests have seen, and nothing else.
+//! `DIR/TABLE.jsonl`, one JSON object per line; `docs/make_figures.py` turns them into tables and charts.
+//! The documents thus show exactly what the tests measured.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -10,19 +10,19 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-/// Records a row of `table`, if anybody wants to have it. Rows of one table have the same fields.
+/// Records a row of `table` if METROLIGHT_FIGURES is set. Rows of one table have the same fields.
 pub fn record(table: &str, row: &impl Serialize) {
     let Some(directory) = std::env::var_os("METROLIGHT_FIGURES").map(PathBuf::from) else {
         return;
     };
-    let mut line = serde_json::to_string(row).expect("a row without odd keys");
+    let mut line = serde_json::to_string(row).expect("a serializable row");
     line.push('\n');
     std::fs::create_dir_all(&directory).expect("the directory of figures");
     let path = directory.join(format!("{table}.jsonl"));
-    // One write per row: lines of tests that run at the same time do not mix.
+    // One write per row, so that lines of concurrent tests do not mix.
     let mut file = OpenOptions::new().append(true).create(true).open(path);
     let file = file.as_mut().expect("a file of figures");
-    file.write_all(line.as_bytes()).expect("room for a row");
+    file.write_all(line.as_bytes()).expect("a writable file");
 }
 
 /// A row of the table in `docs/accuracy.md`.
@@ -32,21 +32,21 @@ pub struct Accuracy<'a> {
     pub oracle: &'a str,
     /// What was compared: scene, integrators, path lengths.
     pub case: &'a str,
-    /// What came out, with its unit and standard error: "ratio of means 1.0003 +- 0.0008".
+    /// The result, with its unit and standard error: "ratio of means 1.0003 +- 0.0008".
     pub found: String,
-    /// What the test demands, so what it would catch: "|z| < 3.9; catches 0.3% of the mean".
+    /// What the test requires, and so what it would catch: "|z| < 3.9; catches 0.3% of the mean".
     pub demanded: String,
 }
 
 /// A row of the table in `docs/stability.md`.
 #[derive(Serialize)]
 pub struct Stability<'a> {
-    /// What is hard: "area light of 1e-8", "p_large = 0".
+    /// The difficulty: "area light of 1e-8", "p_large = 0".
     pub case: &'a str,
-    /// Integrators that were run.
+    /// Integrators under test.
     pub method: &'a str,
-    /// What happens, with figures.
+    /// The result, with numbers.
     pub happens: String,
-    /// What the user is told, word for word, or "nothing".
+    /// The warnings that the user gets, verbatim, or "nothing".
     pub told: String,
 }

@@ -1,25 +1,25 @@
-//! What several integration tests share.
+//! Code that several integration tests share.
 #![allow(dead_code)] // Each test binary uses its own part.
 
-pub mod compare;
 pub mod comparison;
 pub mod figures;
 #[cfg(unix)]
 pub mod interrupt;
 pub mod page;
 pub mod reference;
+pub mod renders;
+pub mod scenes;
 pub mod tiles;
 pub mod truths;
 /// The sentences that the program prints, so that the tables in `docs/` quote them word for word.
 #[path = "../../src/commands/wording.rs"]
 pub mod wording;
-pub mod words;
 pub mod workplace;
-pub mod worlds;
 
 use std::path::Path;
 
-use metrolight::sampling::{Coordinates, Stream};
+use metrolight::sampling::IndependentSampler;
+use metrolight::sampling::seeds::Purpose;
 use metrolight::scene::Scene;
 
 /// Loads a scene of the repository, with `-D`-like defines.
@@ -36,29 +36,7 @@ pub fn load(path: &str, defines: &[(&str, &str)]) -> Scene {
         .expect("a scene of the repository")
 }
 
-/// A point of the hypercube whose coordinates are a hash of where they stand: it can be read again.
-#[derive(Clone, Debug)]
-pub struct HashedPoint {
-    seed: u64,
-}
-
-impl HashedPoint {
-    /// Another point for each seed.
-    pub fn new(seed: u64) -> Self {
-        Self { seed }
-    }
-}
-
-impl Coordinates for HashedPoint {
-    fn read<const N: usize>(&mut self, stream: Stream, first: usize) -> [f32; N] {
-        std::array::from_fn(|i| {
-            let mut z = self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-                ^ ((stream as u64) << 40)
-                ^ ((first + i) as u64 + 1).wrapping_mul(0xd6e8_feb8_6659_fd93);
-            z = (z ^ (z >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-            z = (z ^ (z >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-            z ^= z >> 32;
-            (z >> 40) as f32 / (1u32 << 24) as f32
-        })
-    }
+/// Point number `i` of the hypercube.
+pub fn sample(i: u64) -> IndependentSampler {
+    IndependentSampler::new(0, Purpose::Tests, i)
 }

@@ -1,4 +1,4 @@
-//! An HTML page, taken apart, and shown in a browser.
+//! Parses an HTML page, and loads it in a browser.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ impl Page {
             raw: Vec::new(),
             html: html.clone(),
         };
-        // As browsers do: what follows <script> or <style> is raw up to the first end tag.
+        // As in browsers, <script> and <style> are raw text up to the first end tag.
         let mut rest = html.as_str();
         while let Some(start) = ["<script", "<style"]
             .iter()
@@ -48,7 +48,7 @@ impl Page {
         page
     }
 
-    /// The markup as a tree. That it is well-formed shows that nothing was inserted unescaped.
+    /// The markup as a tree. Being well-formed shows that nothing was inserted unescaped.
     pub fn document(&self) -> roxmltree::Document<'_> {
         let options = roxmltree::ParsingOptions {
             allow_dtd: true,
@@ -57,14 +57,14 @@ impl Page {
         roxmltree::Document::parse_with_options(&self.markup, options).expect("well-formed markup")
     }
 
-    /// All text that is read.
+    /// All visible text.
     pub fn text(&self) -> String {
         let document = self.document();
         let texts = document.descendants().filter(|node| node.is_text());
         texts.filter_map(|node| node.text()).collect()
     }
 
-    /// What the viewer's script reads.
+    /// The data of the viewer's script.
     pub fn data(&self) -> Value {
         let mut json = self
             .raw
@@ -74,7 +74,8 @@ impl Page {
         serde_json::from_str(text).expect("JSON")
     }
 
-    /// No element or style asks for anything outside the page, and no markup carries a script.
+    /// Asserts that no element or style refers to anything outside the page, and that no attribute is a
+    /// script.
     pub fn check_stands_alone(&self) {
         for node in self
             .document()
@@ -110,7 +111,7 @@ impl Page {
     }
 }
 
-/// A picture within its URI that can be decoded.
+/// Asserts that a data URI holds a picture that can be decoded.
 fn check_picture(uri: &str) {
     let (kind, data) = uri
         .strip_prefix("data:image/")
@@ -127,10 +128,10 @@ fn check_picture(uri: &str) {
     }
 }
 
-/// Chromium, without a window.
+/// Headless Chromium.
 pub struct Browser(PathBuf);
 
-/// Collects what goes wrong from before the page's own script on.
+/// Collects errors from before the page's own script on.
 const WATCH: &str = "<script>
 const found = { problems: [] };
 addEventListener('error', (event) => found.problems.push(String(event.message)), true);
@@ -150,8 +151,8 @@ impl Browser {
         files.find(|file| file.is_file()).map(Self)
     }
 
-    /// Runs `script` in the page when it has loaded, and returns what it put into the object `found`,
-    /// with `problems`: errors, and whatever else should not happen.
+    /// Runs `script` in the loaded page and returns the object `found` that it filled, with the errors
+    /// and policy violations in `problems`.
     pub fn run(&self, page: &Page, script: &str) -> Value {
         let end = "const end = document.createElement('pre'); end.id = 'found'; \
                    end.textContent = btoa(encodeURIComponent(JSON.stringify(found))); \
@@ -169,7 +170,7 @@ impl Browser {
         serde_json::from_str(&percent_decoded(&found)).expect("JSON")
     }
 
-    /// Runs `script` in the page and writes what the screen shows then.
+    /// Runs `script` in the page and writes a screenshot.
     pub fn screenshot(&self, page: &Page, script: &str, to: &Path) {
         let shot = format!("--screenshot={}", to.display());
         self.load(page, script, &[&shot]);
@@ -185,7 +186,7 @@ impl Browser {
              end.textContent = btoa(encodeURIComponent(JSON.stringify({{ problems: [String(error.stack)] }}))); \
              document.body.append(end); }} }});</script></body>"
         );
-        // The page's own end is the last.
+        // The last </body> is the page's own.
         let (before, after) = html.rsplit_once("</body>").expect("a body");
         fs::write(&path, format!("{before}{script}{after}")).expect("written");
         let mut command = Command::new(&self.0);

@@ -1,4 +1,4 @@
-//! The references that Mitsuba 3 rendered, and runs of comparisons with them.
+//! References rendered by Mitsuba 3, and runs of comparisons with them.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::comparison::{Comparison, Renderings, uniformity};
 
-/// Level of the test that the p-values of many images are uniform, and its number of replicates.
+/// Level of the test that the p-values of all images are uniform, and its number of replicates.
 pub const UNIFORMITY: f64 = 1e-3;
 pub const REPLICATES: u64 = 4999;
 
@@ -21,12 +21,12 @@ pub struct Entry {
     pub width: u32,
     height: u32,
     renderings: usize,
-    /// Width and height of the tiles in which the renderings are kept, in pixels.
+    /// Width and height of the stored tiles, in pixels.
     tile: [usize; 2],
     pub methods: Methods,
 }
 
-/// Who can find the light that the reference shows.
+/// Which integrators find the light that the reference shows.
 #[derive(Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
 pub enum Methods {
@@ -35,25 +35,25 @@ pub enum Methods {
 }
 
 impl Entry {
-    /// One of `scenes/`.
+    /// True for a scene of `scenes/`.
     pub fn is_ours(&self) -> bool {
         self.scene.starts_with("scenes/")
     }
 
-    /// A published scene, which is not part of the repository.
+    /// True for a published scene, which is not part of the repository.
     pub fn is_published(&self) -> bool {
         self.scene.starts_with("..")
     }
 
-    /// False if METROLIGHT_SCENE is set and not part of the name; false, with a message, if the scene is
-    /// a published one that is missing.
+    /// False if METROLIGHT_SCENE is set and not part of the name, and, with a message, if the scene is a
+    /// published one that is missing.
     pub fn is_wanted(&self) -> bool {
         if std::env::var("METROLIGHT_SCENE").is_ok_and(|part| !self.name.contains(&part)) {
             return false;
         }
         let here = root().join(&self.scene).exists();
         if !here {
-            println!("{}: skipped, the published scene is not here", self.name);
+            println!("{}: skipped, the published scene is missing", self.name);
         }
         here
     }
@@ -67,7 +67,7 @@ impl Entry {
         super::load(&self.scene, &defines)
     }
 
-    /// Mitsuba's renderings, by tiles of `size`.
+    /// Mitsuba's renderings, reduced to tiles of `size`.
     pub fn reference(&self, size: [usize; 2]) -> Renderings {
         let file = read_image(&format!("{}.tiles", self.name), ["R", "G", "B"]);
         let columns = self.width as usize / self.tile[0];
@@ -106,27 +106,27 @@ pub fn read_image(name: &str, channels: [&str; 3]) -> Vec<[f32; 3]> {
     pairs.map(|((&r, &g), &b)| [r, g, b]).collect()
 }
 
-/// How hard to look.
+/// Level and effort of a comparison.
 pub struct Form {
     /// Level of the verdict on one image.
     pub alpha: f64,
     /// Width and height of a tile, in pixels.
     pub tile: [usize; 2],
-    /// Our independent renderings.
+    /// Number of our independent renderings.
     pub seeds: u64,
 }
 
-/// All comparisons of one run, and what was found.
+/// All comparisons of one run, and their failures.
 pub struct Run {
-    /// How hard it looks.
+    /// Of each comparison.
     pub form: Form,
-    /// One of each image.
+    /// One per image.
     pub comparisons: Vec<Comparison>,
     failures: Vec<String>,
 }
 
 impl Run {
-    /// A run without comparisons as yet.
+    /// A run without comparisons.
     pub fn new(form: Form) -> Self {
         Self {
             form,
@@ -144,7 +144,7 @@ impl Run {
         reference: &Renderings,
     ) -> &Comparison {
         let form = &self.form;
-        let integrator = settings.integrator;
+        let integrator = settings.method();
         // No two images share a random number.
         let first = 10_000 * (integrator as u64 + 1) + 100 * index;
         let ours = Renderings::render(scene, settings, first..first + form.seeds, form.tile);
@@ -167,7 +167,7 @@ impl Run {
         self.comparisons.last().expect("the one just added")
     }
 
-    /// How many p-values lie in each tenth of [0, 1].
+    /// Number of p-values in each tenth of [0, 1].
     pub fn tenths(&self) -> [u32; 10] {
         let mut counts = [0; 10];
         let p_values = self.comparisons.iter().flat_map(Comparison::p_values);
@@ -175,7 +175,8 @@ impl Run {
         counts
     }
 
-    /// The verdict over all comparisons; returns the p-value of their distribution.
+    /// Asserts that no comparison failed and that all p-values are uniform; returns the p-value of the
+    /// latter.
     pub fn judge(mut self) -> f64 {
         if self.comparisons.is_empty() {
             return 1.0;
@@ -192,7 +193,7 @@ impl Run {
     }
 }
 
-/// Where the smallest p-value of a comparison is, and what is there.
+/// Describes the test with the smallest p-value.
 fn failure(comparison: &Comparison, ours: &Renderings, reference: &Renderings) -> String {
     let (p, test) = comparison.smallest();
     let place = if test + 3 < comparison.adjusted.len() {

@@ -1,27 +1,30 @@
-//! Means of images that are known exactly.
+//! Tests of image means against exact values.
 //!
-//! Null hypothesis, for each comparison: the mean over independent seeds is the truth. Student's test
-//! for each, Holm's correction over all that are settled together; a correct program fails one such
-//! set with probability ALPHA for a new choice of seeds. Nothing is rescaled.
+//! Null hypothesis, for each comparison: the mean over independent seeds is the truth. The standard error
+//! has few degrees of freedom, so the test is Welch's against a sample without variance, which is
+//! Student's. Nothing is rescaled.
 
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
+use metrolight::render::{Budget, Method, Rendering, Settings};
 use metrolight::scene::Scene;
 use metrolight::statistics::{Moments, holm, welch};
 
 use super::figures::{Accuracy, record};
+use super::renders::{mean, renderings, with_pssmlt};
 
+/// Probability with which a correct program fails one set of [`Truths`] for a new choice of seeds, by
+/// Holm's correction over the set.
 const ALPHA: f64 = 1e-4;
 
-/// Estimators without variance differ from the truth by rounding alone: less than this, relatively.
+/// Relative error of estimators without variance: rounding alone.
 const ROUNDING: f64 = 1e-4;
 
-/// A mean with a greater relative standard error proves nothing, and fails.
+/// A larger relative standard error fails the test, which would otherwise show too little.
 const GREATEST_ERROR: f64 = 0.02;
 
-/// Independent images per comparison: enough that the tails of Student's distribution are thin.
+/// Independent images per comparison, enough for thin tails of Student's distribution.
 const SEEDS: u64 = 32;
 
-/// Comparisons that are judged together.
+/// Comparisons that are tested together.
 #[derive(Default)]
 pub struct Truths {
     rows: Vec<Row>,
@@ -31,7 +34,7 @@ struct Row {
     name: String,
     found: Moments,
     truth: f64,
-    /// Relative error that the truth is allowed to have.
+    /// Relative error allowed for the truth.
     slack: f64,
 }
 
@@ -44,12 +47,31 @@ impl Row {
         self.found.standard_error() / self.truth
     }
 
-    /// A test against a sample without variance, of the nearest mean that would be right.
     fn p_value(&self) -> f64 {
-        let nearest = 1.0 + self.deviation().clamp(-self.slack, self.slack);
-        let exact = Moments::from_summary(self.found.count, self.truth * nearest, 0.0);
-        welch(&self.found, &exact)
+        p_value(&self.found, self.truth, self.slack)
     }
+}
+
+/// p of the nearest mean whose relative difference from `truth` is at most `slack`.
+pub fn p_value(found: &Moments, truth: f64, slack: f64) -> f64 {
+    let off = (found.mean / truth - 1.0).clamp(-slack, slack);
+    let exact = Moments::from_summary(found.count, truth * (1.0 + off), 0.0);
+    welch(found, &exact)
+}
+
+/// Rejects at `alpha` that the mean over seeds is `truth`. Estimators without variance may differ from
+/// the truth by `rounding`, relative.
+pub fn assert_mean(name: &str, moments: &Moments, truth: f64, rounding: f64, alpha: f64) {
+    if (moments.mean - truth).abs() <= rounding * truth.abs() {
+        return;
+    }
+    let p = p_value(moments, truth, 0.0);
+    assert!(
+        p > alpha,
+        "{name}: {} +- {}, should be {truth}: p = {p:e}",
+        moments.mean,
+        moments.standard_error()
+    );
 }
 
 impl Truths {
@@ -58,31 +80,31 @@ impl Truths {
         &mut self,
         name: &str,
         scene: &Scene,
-        integrators: &[Integrator],
+        integrators: &[Method],
         spp: u64,
         truth: f64,
     ) {
         self.render_within(ROUNDING, name, scene, integrators, spp, truth);
     }
 
-    /// As [`Self::render`], where the renderer's model is allowed to be off by a share `slack`.
+    /// As [`Self::render`], allowing the renderer's model a relative error of `slack`.
     pub fn render_within(
         &mut self,
         slack: f64,
         name: &str,
         scene: &Scene,
-        integrators: &[Integrator],
+        integrators: &[Method],
         spp: u64,
         truth: f64,
     ) {
         for &integrator in integrators {
-            let found = means(scene, integrator, spp);
+            let found = images(scene, integrator, spp).map(|image| mean(&image));
             let name = format!("{name}, {}", integrator.name());
-            self.compare(slack, name, found, truth);
+            self.compare(slack, name, found.collect(), truth);
         }
     }
 
-    /// Compares a mean with `truth`, which is known but for a share `slack`.
+    /// Compares a mean with `truth`, which has a relative error of at most `slack`.
     pub fn compare(&mut self, slack: f64, name: String, found: Moments, truth: f64) {
         let slack = slack.max(ROUNDING);
         self.rows.push(Row {
@@ -131,30 +153,17 @@ impl Truths {
     }
 }
 
-/// Moments over seeds of the mean of the green channel over all pixels.
-pub fn means(scene: &Scene, integrator: Integrator, spp: u64) -> Moments {
-    images(scene, integrator, spp)
-        .map(|rendering| {
-            let pixels = &rendering.image.pixels;
-            pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / pixels.len() as f64
-        })
-        .collect()
-}
-
 /// Renderings of `scene` with different seeds.
-pub fn images(
-    scene: &Scene,
-    integrator: Integrator,
-    spp: u64,
-) -> impl Iterator<Item = metrolight::render::Rendering> {
-    (0..SEEDS).map(move |seed| {
-        let settings = Settings {
+pub fn images(scene: &Scene, integrator: Method, spp: u64) -> impl Iterator<Item = Rendering> {
+    let settings = with_pssmlt(
+        Settings {
             budget: Budget::SamplesPerPixel(spp),
-            seed,
-            chains: 16,
-            bootstrap: Some(1_000),
             ..Settings::new(integrator)
-        };
-        render(scene, &settings, &Unobserved).expect("threads")
-    })
+        },
+        |own| {
+            own.chains = 16;
+            own.bootstrap = Some(1_000);
+        },
+    );
+    renderings(scene, &settings, 0..SEEDS)
 }

@@ -1,4 +1,4 @@
-//! A directory with small scenes, and the program run in it.
+//! A temporary directory with small scenes, in which the program runs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub const ROOM: &str = r#"<scene version="3.0.0">
 </scene>
 "#;
 
-/// Light of radiance `$radiance` from everywhere, and nothing else.
+/// Constant environment light of radiance `$radiance`, and nothing else.
 pub const SKY: &str = r#"<scene version="3.0.0">
     <default name="radiance" value="0.25"/>
     <sensor type="perspective">
@@ -50,7 +50,7 @@ pub const SKY: &str = r#"<scene version="3.0.0">
 </scene>
 "#;
 
-/// A directory of its own for each test, with the scenes `room.xml` and `sky.xml`.
+/// A temporary directory for one test, with the scenes `room.xml` and `sky.xml`.
 pub struct Workplace(TempDir);
 
 impl Workplace {

@@ -1,10 +1,10 @@
-//! Scenes with nothing to lean on: any materials and emitters, anywhere.
+//! Random scenes: any materials and emitters, anywhere.
 
 use metrolight::mitsuba;
 use metrolight::scene::Scene;
 use tempfile::TempDir;
 
-/// Two plates, three balls, an emitter or two: which, where and of what, `u` in [0, 1) decides.
+/// Two plates, three balls, and one or two emitters, chosen by `u` in [0, 1).
 pub fn random_scene(u: &[f32]) -> Scene {
     let mut u = u.iter().copied().cycle();
     let mut between = |low: f32, high: f32| low + (high - low) * u.next().unwrap();

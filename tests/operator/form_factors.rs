@@ -1,5 +1,5 @@
-//! Form factors from a point to rectangles behind one box, in f64 and in closed form: Lambert's
-//! formula for polygons, less what the box hides, found by clipping polygons. No ray is traced.
+//! Form factors from a point to rectangles that one box may occlude, in closed form and f64: Lambert's
+//! formula for polygons minus the occluded part, by polygon clipping. No ray is traced.
 
 use glam::DVec3;
 
@@ -86,7 +86,7 @@ impl Polygon {
         self.len += 1;
     }
 
-    /// The form factor from the origin, with normal `n`, to this polygon wholly above its horizon:
+    /// The form factor from the origin, with normal `n`, to this polygon above its horizon:
     /// 1/(2 pi) sum of the angles that the edges subtend, each times the cosine of its plane's
     /// normal with n (Lambert 1760; Baum et al. 1989, "Improving radiosity solutions through the use
     /// of analytically determined form-factors", eq. 7).
@@ -107,9 +107,8 @@ impl Polygon {
     }
 }
 
-/// The share of the irradiance at `to` that comes from `patch` if it, and all else, shines equally:
-/// what is visible of it around the convex `box_faces`, which lie nowhere behind a patch and either
-/// do not cross the horizon of `to` or have it among themselves.
+/// The form factor from `to` to the part of `patch` that the convex box of `box_faces` does not occlude.
+/// The box is nowhere behind a patch, and either does not cross the horizon of `to` or has it on a face.
 pub fn form_factor(to: Receiver, patch: &Rectangle, box_faces: &[Rectangle]) -> f64 {
     let centre = patch.at(0.5, 0.5) - to.position;
     if !patch.faces(to.position) || centre.dot(to.normal) <= 1e-9 {
@@ -117,8 +116,8 @@ pub fn form_factor(to: Receiver, patch: &Rectangle, box_faces: &[Rectangle]) -> 
     }
     let polygon = Polygon::new(patch, to.position);
     let mut factor = polygon.form_factor(to.normal);
-    // Faces of the box that are seen from a point do not overlap. A patch of the box itself is never
-    // hidden, and lies in the plane of such a face.
+    // Faces of the box visible from a point do not overlap. A patch on the box lies in the plane of a
+    // face and is never occluded.
     let normal = patch.normal();
     for face in box_faces.iter().filter(|face| face.faces(to.position)) {
         if face.normal() == normal && (face.corner - patch.corner).dot(normal).abs() < 1e-9 {
@@ -131,6 +130,6 @@ pub fn form_factor(to: Receiver, patch: &Rectangle, box_faces: &[Rectangle]) -> 
         }
         factor -= hidden.form_factor(to.normal);
     }
-    // What is wholly hidden differs from nothing by rounding.
+    // The form factor of an occluded patch is 0 up to rounding.
     factor.max(0.0)
 }

@@ -15,8 +15,7 @@ pub struct Surface {
     pub emission: Color,
 }
 
-/// Corners of the block, which stands on the floor, and of the lamp in the ceiling, in eighths of
-/// the room's width.
+/// Corners of the block on the floor and of the lamp in the ceiling, in eighths of the room's width.
 const BLOCK: [[f64; 3]; 2] = [[3.0, 0.0, 2.0], [5.0, 4.0, 4.0]];
 const LAMP: [[f64; 2]; 2] = [[4.0, 4.0], [6.0, 6.0]];
 
@@ -84,7 +83,7 @@ pub fn surfaces() -> Vec<Surface> {
     all
 }
 
-/// The floor plan of the room without a rectangle: x0, z0, x1, z1.
+/// The floor plan of the room minus a rectangle, as rectangles x0, z0, x1, z1.
 fn around(low: [f64; 2], high: [f64; 2]) -> [[f64; 4]; 4] {
     [
         [0.0, 0.0, 8.0, low[1]],
@@ -94,7 +93,7 @@ fn around(low: [f64; 2], high: [f64; 2]) -> [[f64; 4]; 4] {
     ]
 }
 
-/// The faces of the block that can be seen.
+/// The visible faces of the block.
 pub fn block() -> Vec<Rectangle> {
     let low = DVec3::from(BLOCK[0]) / 8.0;
     let high = DVec3::from(BLOCK[1]) / 8.0;
@@ -113,13 +112,14 @@ pub fn block() -> Vec<Rectangle> {
 /// Reflected radiance on patches, T Le + T^2 Le + ..., by collocation at the centres of the patches.
 pub struct Solution {
     patches: Vec<Rectangle>,
-    /// After 0, 1, ... terms: the radiance that every patch reflects of paths of at most one edge more.
+    /// After 0, 1, ... terms: the radiance reflected by every patch from paths of at most that many edges
+    /// plus one.
     partial_sums: Vec<Vec<Color>>,
     block: Vec<Rectangle>,
 }
 
-/// Terms after which what is left is below rounding: no albedo exceeds 0.8, and most light meets
-/// darker walls.
+/// Number of terms after which the rest is below rounding: no albedo exceeds 0.8, and most walls are
+/// darker.
 const ALL_TERMS: usize = 60;
 
 impl Solution {
@@ -167,8 +167,8 @@ impl Solution {
         }
     }
 
-    /// Radiance at a point of `surface` that has been reflected at least twice, for each of `depths`
-    /// (edges; `None` for all): gathered once more from the patches.
+    /// Radiance at a point of `surface` reflected at least twice, for each of `depths` (edges; `None` for
+    /// all), by a final gather from the patches.
     pub fn indirect(
         &self,
         surface: &Surface,
@@ -186,7 +186,7 @@ impl Solution {
             .collect()
     }
 
-    /// The greatest error of the sum of form factors from the centres of patches: 1 in a closed room.
+    /// The largest deviation from 1 of the sum of form factors from the centre of a patch.
     pub fn closure_error(&self) -> f64 {
         self.patches
             .par_iter()
@@ -201,7 +201,7 @@ impl Solution {
     }
 }
 
-/// Radiance of the lamp that a point of `surface` reflects: exact.
+/// Radiance of the lamp reflected at a point of `surface`, exact.
 pub fn direct(
     surfaces: &[Surface],
     block: &[Rectangle],
@@ -210,10 +210,10 @@ pub fn direct(
 ) -> Color {
     let normal = surface.rectangle.normal();
     let to = Receiver { position, normal };
-    let shining = surfaces
+    let emitting = surfaces
         .iter()
         .filter(|other| other.emission != DVec3::ZERO);
-    let light: Color = shining
+    let light: Color = emitting
         .map(|lamp| form_factor(to, &lamp.rectangle, block) * lamp.emission)
         .sum();
     surface.albedo * light

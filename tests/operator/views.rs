@@ -1,4 +1,4 @@
-//! Cameras that face a wall squarely. A pinhole sees the parts of a plane across its axis in
+//! Cameras perpendicular to a wall. A pinhole sees the parts of a plane perpendicular to its axis in
 //! proportion to their areas, so a pixel with a box filter is the mean radiance of one rectangle of
 //! the wall.
 
@@ -8,9 +8,9 @@ use metrolight::scene::{Material, Scene, ShapeDescription, Texture};
 use rayon::prelude::*;
 
 use super::room::{Color, Solution, Surface, block, direct, surfaces};
-use crate::common::words::{Words, look_at, parallelogram};
+use crate::common::scenes::{SceneBuilder, look_at, parallelogram};
 
-/// A window on a wall and the pixels it is divided into.
+/// A rectangle on a wall and its division into pixels.
 pub struct View {
     pub name: &'static str,
     center: DVec3,
@@ -18,7 +18,7 @@ pub struct View {
     normal: DVec3,
     /// Unit, along the columns.
     up: DVec3,
-    /// Width and height of the window, in the room's widths.
+    /// Width and height of the rectangle, in the room's widths.
     size: [f64; 2],
     /// From the wall to the camera.
     distance: f64,
@@ -26,7 +26,7 @@ pub struct View {
     pub tiles: [u32; 2],
 }
 
-/// Nothing stands between these windows and their cameras.
+/// Nothing occludes these rectangles from their cameras.
 pub fn views() -> [View; 3] {
     [
         View {
@@ -60,9 +60,9 @@ pub fn views() -> [View; 3] {
 }
 
 impl View {
-    /// The room, seen so. Its walls are the only thing that oracle and renderer share.
+    /// The room from this view. The reference and the renderer share only its surfaces.
     pub fn scene(&self, depth: Option<u32>) -> Scene {
-        let mut words = Words {
+        let mut builder = SceneBuilder {
             depth,
             fov_x: 2.0 * (0.5 * self.size[0] / self.distance).atan().to_degrees(),
             camera: look_at(
@@ -71,23 +71,25 @@ impl View {
                 self.up,
             ),
             film: self.tiles,
-            ..Words::default()
+            ..SceneBuilder::default()
         };
         for (i, surface) in (0..).zip(&surfaces()) {
             let rectangle = &surface.rectangle;
-            words.textures.push(Texture::Constant(rgb(surface.albedo)));
-            words.materials.push(Material::Diffuse { reflectance: i });
-            words.shapes.push(ShapeDescription {
+            builder
+                .textures
+                .push(Texture::Constant(rgb(surface.albedo)));
+            builder.materials.push(Material::Diffuse { reflectance: i });
+            builder.shapes.push(ShapeDescription {
                 material: i,
                 emission: (surface.emission != DVec3::ZERO).then(|| rgb(surface.emission)),
                 ..parallelogram(rectangle.corner, rectangle.a, rectangle.b)
             });
         }
-        words.build()
+        builder.build()
     }
 
-    /// Mean radiance of every pixel, from the top left in rows, for each of `depths`; by midpoints on
-    /// a grid of `points` x `points` a pixel, and a finer one for direct light, which has shadows.
+    /// Mean radiance of every pixel, in rows from the top left, for each of `depths`, by the midpoint rule
+    /// with `points` x `points` per pixel, and more for direct light, which has shadows.
     pub fn tile_means(
         &self,
         solution: &Solution,
@@ -125,7 +127,7 @@ impl View {
             .collect()
     }
 
-    /// Calls `visit` with n x n points of a tile and the share of its area that each stands for.
+    /// Calls `visit` with n x n points of a tile and the fraction of its area that each represents.
     fn over_tile(&self, tile: u32, n: u32, mut visit: impl FnMut(DVec3, f64)) {
         let [columns, rows] = self.tiles;
         let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
@@ -137,7 +139,7 @@ impl View {
         }
     }
 
-    /// The point of the wall seen at (x, y) of the film as a unit square, y down.
+    /// The point of the wall at (x, y) of the film as a unit square, y down.
     fn point(&self, x: f64, y: f64) -> DVec3 {
         let right = self.up.cross(self.normal);
         self.center + right * ((x - 0.5) * self.size[0]) + self.up * ((0.5 - y) * self.size[1])
@@ -161,5 +163,5 @@ fn surface_at(surfaces: &[Surface], point: DVec3, normal: DVec3) -> &Surface {
                 && (0.0..=1.0).contains(&along(rectangle.a))
                 && (0.0..=1.0).contains(&along(rectangle.b))
         })
-        .expect("a window lies on surfaces")
+        .expect("a rectangle on surfaces")
 }

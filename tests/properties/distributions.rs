@@ -1,4 +1,4 @@
-//! Discrete distributions: sampling and probability agree exactly.
+//! Discrete distributions: sampling matches the stated probabilities exactly.
 
 use metrolight::sampling::{Distribution1D, Distribution2D};
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ fn u(number: u32) -> f32 {
     number as f32 / NUMBERS as f32
 }
 
-/// Weights that differ by up to 18 decimal orders, some of them 0.
+/// Weights over 18 decimal orders of magnitude, some of them 0.
 fn weights() -> impl Strategy<Value = Vec<f64>> {
     let weight = prop_oneof![
         1 => Just(0.0),
@@ -32,10 +32,10 @@ fn claimed(distribution: &Distribution1D) -> Vec<u32> {
 }
 
 proptest! {
-    /// Numbers are dealt out in one run to each outcome, as long as its probability says: so much
-    /// follows from the first and the last of each run, as outcomes rise with numbers.
+    /// Each outcome is chosen by one interval of random numbers, whose length is its probability. Outcomes
+    /// increase with the number, so it suffices to test the first and the last number of each interval.
     #[test]
-    fn outcomes_own_as_many_numbers_as_their_probability_says(weights in weights()) {
+    fn outcomes_are_chosen_with_their_stated_probability(weights in weights()) {
         let total: f64 = weights.iter().sum();
         let Some(distribution) = Distribution1D::new(weights.iter().copied()) else {
             prop_assert_eq!(total, 0.0);
@@ -58,9 +58,10 @@ proptest! {
         prop_assert_eq!(first, NUMBERS);
     }
 
-    /// What a choice leaves of a number: k numbers get the middles of k equal parts.
+    /// The remainder of a random number after a choice is uniform: the k numbers of an outcome give the
+    /// midpoints of k equal intervals.
     #[test]
-    fn the_rest_is_spread_evenly(weights in weights(), number in 0..NUMBERS) {
+    fn the_remainder_is_uniform(weights in weights(), number in 0..NUMBERS) {
         let Some(distribution) = Distribution1D::new(weights) else {
             return Ok(());
         };
@@ -72,10 +73,10 @@ proptest! {
         prop_assert!((f64::from(rest) - expected).abs() < 1e-7);
     }
 
-    /// A chain's small steps leave the multiples of 2^-24 where f32 is finer: such a number chooses
-    /// what the multiple below it does.
+    /// Where f32 is finer, small steps of a chain give numbers that are no multiples of 2^-24: such a
+    /// number chooses the same outcome as the multiple below it.
     #[test]
-    fn numbers_between_multiples_choose_alike(
+    fn numbers_between_multiples_choose_the_same_outcome(
         weights in weights(),
         number in 0..NUMBERS / 2,
         between in 0.0f32..1.0,
@@ -87,7 +88,7 @@ proptest! {
         prop_assert_eq!(distribution.sample(above), distribution.sample(u(number)));
     }
 
-    /// Cells have the product of their probabilities, 0 only if their weight is, and 1 in all.
+    /// The probability of a cell is proportional to its weight, 0 only if that is, and they sum to 1.
     #[test]
     fn cells_are_chosen_with_their_probability(
         weights in weights(),
@@ -114,7 +115,7 @@ proptest! {
     }
 }
 
-/// Every random number, for weights of which some are below one number and most are next to nothing.
+/// Tests every random number, with weights of which some are below the probability of one number.
 #[test]
 fn every_number_is_counted() {
     let weights = (0..3000).map(|i| match i % 4 {
@@ -131,9 +132,9 @@ fn every_number_is_counted() {
     assert_eq!(counts, claimed(&distribution));
 }
 
-/// As many outcomes as there are numbers share them equally; one more is too many.
+/// The largest number of outcomes is the number of random numbers.
 #[test]
-fn outcomes_are_not_more_than_numbers() {
+fn there_are_at_most_as_many_outcomes_as_numbers() {
     let even = |n: u32| Distribution1D::new((0..n).map(|_| 0.1));
     let full = even(NUMBERS).expect("a distribution");
     for number in (0..NUMBERS).step_by(1009) {

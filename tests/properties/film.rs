@@ -1,4 +1,4 @@
-//! Reconstruction filters and the placing of samples.
+//! Reconstruction filters and the positions of samples.
 
 use metrolight::film::{Film, FilmSampler, Filter, FilterSampler, Splat};
 use metrolight::math::Rgb;
@@ -21,23 +21,23 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&value), "{value}");
         prop_assert!(x.abs() < filter.radius() || value == 0.0);
         prop_assert!(x.abs() == 0.5 || value == filter.evaluate(-x));
-        // Falling from the centre on.
+        // Decreasing from the centre on.
         prop_assert!(filter.evaluate(0.9 * x) >= value);
     }
 
-    /// The integral over any part is the mean value there, found by the midpoint rule.
+    /// The integral over any interval equals that by the midpoint rule.
     #[test]
     fn integrals_are_those_of_the_values(filter in filter(), a in -4.0..4.0f64, length in 0.0..4.0f64) {
         const PARTS: i32 = 4000;
         let part = length / f64::from(PARTS);
         let middles = (0..PARTS).map(|i| a + (f64::from(i) + 0.5) * part);
         let sum: f64 = middles.map(|x| filter.evaluate(x)).sum();
-        // A box has jumps, which may fall anywhere within a part.
+        // A box has jumps, which may lie within a part.
         let tolerance = if filter == Filter::Box { 2.0 * part } else { 1e-5 };
         prop_assert!((filter.integral(a, a + length) - sum * part).abs() < tolerance);
     }
 
-    /// The cumulative distribution at a sample is the random number.
+    /// The cumulative distribution function at a sample equals the random number.
     #[test]
     fn offsets_are_sampled_by_inversion(filter in filter(), u in 0.0..1.0f64) {
         let r = filter.radius();
@@ -47,7 +47,7 @@ proptest! {
         prop_assert!((cdf - u).abs() < 1e-7, "{cdf} {u}");
     }
 
-    /// A sample of a pixel lies on the film and where the pixel's filter is positive.
+    /// A sample of a pixel lies on the film and in the support of the pixel's filter.
     #[test]
     fn samples_lie_under_the_filter(
         filter in filter(),
@@ -67,7 +67,7 @@ proptest! {
     }
 }
 
-/// For properties that cost much to try: a sixteenth of the usual number of cases.
+/// For expensive properties: a sixteenth of the usual number of cases.
 fn fewer_cases() -> ProptestConfig {
     let config = ProptestConfig::default();
     ProptestConfig {
@@ -79,10 +79,10 @@ fn fewer_cases() -> ProptestConfig {
 proptest! {
     #![proptest_config(fewer_cases())]
 
-    /// Even light is an even image, up to the border: the filters of all pixels are normalised over
-    /// the film. Splats on a fine grid stand for even light.
+    /// Constant light gives a constant image, up to the border: the filters of all pixels are normalised
+    /// over the film. Splats on a fine grid represent constant light.
     #[test]
-    fn even_light_is_an_even_image(filter in filter(), width in 1_u32..5, height in 1_u32..5) {
+    fn constant_light_gives_a_constant_image(filter in filter(), width in 1_u32..5, height in 1_u32..5) {
         const FINE: u32 = 32;
         let mut film = Film::new(width, height, filter);
         let [columns, rows] = [width * FINE, height * FINE];

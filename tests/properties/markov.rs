@@ -1,7 +1,7 @@
 //! Small steps, resampling and streams of random numbers.
 
-use metrolight::markov::mutation::wrap;
-use metrolight::markov::{SmallStep, systematic_resample};
+use metrolight::markov::mutation::perturbation::wrap;
+use metrolight::markov::{Perturbation, systematic_resample};
 use metrolight::sampling::seeds::{self, Purpose};
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
@@ -9,7 +9,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::unit;
 
-/// Any number in [0, 1), not only what generators make.
+/// Any number in [0, 1), not only multiples of 2^-24.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         unit(),
@@ -39,8 +39,7 @@ proptest! {
         prop_assert!((turns - turns.round()).abs() < 2e-7);
     }
 
-    /// A small step stays in [0, 1) and is as long as it may be, whichever way round it goes; the
-    /// same random number with the other sign leads as far the other way.
+    /// A small step stays in [0, 1) and has a length within its limits, measured around the circle.
     #[test]
     fn small_steps_keep_to_the_circle_and_their_length(
         value in coordinate(),
@@ -49,7 +48,7 @@ proptest! {
         seed in any::<u64>(),
     ) {
         let shortest = longest * ratio;
-        let step = SmallStep::new(shortest, longest);
+        let step = Perturbation::new(shortest, longest);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         for _ in 0..16 {
             let moved = step.apply(value, &mut rng);
@@ -62,7 +61,7 @@ proptest! {
         }
     }
 
-    /// Normal steps stay on the circle; a redraw leaves its coordinate or makes it uniform.
+    /// Normal steps and redraws stay in [0, 1); a redraw with probability 0 changes nothing.
     #[test]
     fn other_steps_keep_to_the_circle(
         value in coordinate(),
@@ -71,19 +70,19 @@ proptest! {
         seed in any::<u64>(),
     ) {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let gaussian = SmallStep::Gaussian { deviation };
-        let redraw = SmallStep::Redraw { probability };
+        let gaussian = Perturbation::Gaussian { deviation };
+        let redraw = Perturbation::Redraw { probability };
         for _ in 0..16 {
             for step in [gaussian, redraw] {
                 let moved = step.apply(value, &mut rng);
                 prop_assert!((0.0..1.0).contains(&moved), "{step}: {moved}");
             }
         }
-        let never = SmallStep::Redraw { probability: 0.0 };
+        let never = Perturbation::Redraw { probability: 0.0 };
         prop_assert_eq!(never.apply(value, &mut rng), value);
     }
 
-    /// Index i is chosen n w_i / sum(w) times, off by less than one, in order; darkness never.
+    /// Index i is chosen n w_i / sum(w) times, up to a difference of one, in order, and never if w_i = 0.
     #[test]
     fn systematic_resampling_is_proportional(
         weights in prop::collection::vec(prop_oneof![Just(0.0), 1e-6..1e3], 1..50),
@@ -106,9 +105,9 @@ proptest! {
         }
     }
 
-    /// Two streams that differ in seed, purpose or index have nothing in common; the same is the same.
+    /// Streams that differ in seed, purpose or index share no number; equal ones are equal.
     #[test]
-    fn streams_are_their_own(
+    fn streams_are_independent(
         a in (0_u64..3, purpose(), 0_u64..3),
         b in (0_u64..3, purpose(), 0_u64..3),
     ) {
@@ -121,9 +120,13 @@ proptest! {
         prop_assert_eq!(shared, if same { 8 } else { 0 });
     }
 
-    /// More chains do not change those that there are.
+    /// The streams of chains do not depend on the number of chains.
     #[test]
-    fn chains_keep_their_streams(seed in any::<u64>(), few in 1_usize..20, more in 0_usize..20) {
+    fn streams_of_chains_do_not_depend_on_their_number(
+        seed in any::<u64>(),
+        few in 1_usize..20,
+        more in 0_usize..20,
+    ) {
         let first = |n: usize| -> Vec<u64> {
             let chains = seeds::chain_generators(seed, n);
             chains.into_iter().map(|mut chain| chain.random()).collect()

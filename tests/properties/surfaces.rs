@@ -1,4 +1,4 @@
-//! Transforms of shapes: where they put surfaces, and what becomes of normals and sides.
+//! Transforms of shapes: positions, normals and sides of surfaces.
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use metrolight::film::Filter;
@@ -45,7 +45,7 @@ fn scene(geometry: ShapeGeometry, to_world: DMat4, flip_normals: bool) -> Scene 
     description.build().expect("a scene")
 }
 
-/// What a ray from `origin` (in the world) through `target` meets.
+/// Intersection of the ray from `origin` (in world coordinates) through `target`.
 fn cast(scene: &Scene, origin: DVec3, target: DVec3) -> Option<SurfacePoint> {
     let ray = Ray {
         origin: ((origin - scene.center) / scene.unit).as_vec3a(),
@@ -69,7 +69,7 @@ fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     [-size..size, -size..size, -size..size].prop_map(DVec3::from)
 }
 
-/// Turned, scaled unevenly, mirrored, turned again (so sheared) and moved.
+/// Rotated, scaled non-uniformly, mirrored, rotated again (so sheared) and translated.
 fn affine() -> impl Strategy<Value = DMat4> {
     let scale = [factor(), factor(), factor()].prop_map(DVec3::from);
     (rotation(), scale, rotation(), vector(100.0)).prop_map(|(first, scale, second, place)| {
@@ -79,7 +79,7 @@ fn affine() -> impl Strategy<Value = DMat4> {
     })
 }
 
-/// Corners of a triangle that is no sliver, at the precision of a mesh.
+/// Corners of a triangle that is not a sliver, at the precision of a mesh.
 fn corners() -> impl Strategy<Value = [DVec3; 3]> {
     [vector(1.0), vector(1.0), vector(1.0)].prop_filter_map("a triangle", |corners| {
         let [a, b, c] = corners.map(|p| p.as_vec3().as_dvec3());
@@ -88,7 +88,7 @@ fn corners() -> impl Strategy<Value = [DVec3; 3]> {
     })
 }
 
-/// Barycentric coordinates within a triangle, not at its very edge.
+/// Barycentric coordinates within a triangle, away from its edges.
 fn within() -> impl Strategy<Value = [f64; 3]> {
     (0.01..0.97f64, 0.01..1.0f64).prop_map(|(b1, part)| {
         let b2 = (0.98 - b1) * part + 0.005;
@@ -101,11 +101,11 @@ fn blend(b: [f64; 3], v: [DVec3; 3]) -> DVec3 {
 }
 
 proptest! {
-    /// A triangle is hit where its transform puts it, from both sides. Its normal stands on its
-    /// edges, which normals carried by the transform itself would not if that scales unevenly, and
-    /// on the side of the vertex normals or else of the winding.
+    /// A transformed triangle is hit at its transformed position, from both sides. Its normal is
+    /// perpendicular to its edges, which needs the inverse transpose for non-uniform scales, and on the
+    /// side of the vertex normals, or else of the winding.
     #[test]
-    fn triangles_are_where_their_transform_puts_them(
+    fn triangles_are_transformed(
         corners in corners(),
         normals in prop::option::of([vector(1.0), vector(1.0), vector(1.0)]),
         to_world in affine(),
@@ -114,7 +114,7 @@ proptest! {
         from in direction(),
     ) {
         let winding = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-        // Vertex normals lean by up to 45 degrees from that of the triangle, all to one side.
+        // Vertex normals deviate by up to 45 degrees from that of the triangle.
         let normals = normals.map(|lean| lean.map(|lean| winding + 0.5 * lean));
         let uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let mesh = TriangleMesh {
@@ -129,7 +129,7 @@ proptest! {
         let edges = [placed[1] - placed[0], placed[2] - placed[0]];
         let normal = edges[0].cross(edges[1]).normalize();
         let from = from.as_dvec3();
-        // Not along the surface.
+        // Not at grazing angles.
         prop_assume!(from.dot(normal).abs() > 0.1);
         let hit = cast(&scene, target + 500.0 * scene.unit * from, target);
         let hit = hit.ok_or_else(|| TestCaseError::fail("no hit"))?;
@@ -146,7 +146,7 @@ proptest! {
         };
         let expected = if (side < 0.0) == flip { normal } else { -normal };
         let geometric = hit.geometric_normal.as_dvec3();
-        // Where the leaning normals balance, either side is right.
+        // Where the side of the vertex normals is ambiguous, either is right.
         prop_assume!(side.abs() > 1e-3);
         prop_assert!(geometric.distance(expected) < 1e-3, "{geometric} {expected}");
 
@@ -161,9 +161,10 @@ proptest! {
         prop_assert!((hit.shading.s.cross(hit.shading.t) - hit.shading.n).length() < 1e-5);
     }
 
-    /// A sphere stays a sphere under turning, mirroring and even scaling; mirrored, it is turned inside out.
+    /// Rotations, reflections and uniform scales map spheres to spheres; a reflection turns them inside
+    /// out.
     #[test]
-    fn spheres_are_where_their_transform_puts_them(
+    fn spheres_are_transformed(
         center in vector(2.0),
         radius in 0.1..3.0f64,
         turn in rotation(),

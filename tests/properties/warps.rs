@@ -1,4 +1,4 @@
-//! Frames, and maps from the unit square.
+//! Frames and warps of the unit square.
 
 use std::f32::consts::PI;
 
@@ -41,10 +41,10 @@ proptest! {
         prop_assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 + 1e-6);
     }
 
-    /// The area of the image of a small square is the square's over the density. Central differences
-    /// of width 2^-8 have errors of about their square times the third derivative: a warp whose
-    /// density were off by 2% would be found. Kept clear of are the edges, where derivatives grow
-    /// without bound, and the diagonals, where that of the disk's map has a jump.
+    /// The area of a small square's image is that of the square over the density. Central differences of
+    /// width 2^-8 have an error of about their square times the third derivative, so that an error of 2% in
+    /// the density is detected. Excluded are the edges, where derivatives are unbounded, and the diagonals,
+    /// where that of the disk's map has a jump.
     #[test]
     fn densities_are_those_of_the_maps(x in 0.1f32..0.9, y in 0.1f32..0.9) {
         const H: f32 = 1.0 / 256.0;
@@ -67,14 +67,14 @@ proptest! {
         }
     }
 
-    /// Each map can be undone: nothing is folded over.
+    /// Each warp is invertible.
     #[test]
     fn warps_are_one_to_one(x in unit(), y in unit()) {
         let u = Vec2::new(x, y);
-        // Shirley and Chiu's map keeps squares around the centre: their half side is the radius.
+        // Shirley and Chiu's map takes squares around the centre to circles whose radius is half the side.
         let (square, disk) = (2.0 * u - Vec2::ONE, square_to_disk(u));
         prop_assert!((square.abs().max_element() - disk.length()).abs() < 1e-6);
-        // And their eighths: the angle is 45 degrees times the part of the half side.
+        // In each octant the angle is 45 degrees times the ratio of the coordinates.
         let (major, minor) = (square.abs().max_element(), square.abs().min_element());
         if major > 1e-3 {
             let angle = disk.abs().min_element().atan2(disk.abs().max_element());

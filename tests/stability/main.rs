@@ -1,4 +1,4 @@
-//! Scenes, settings and numbers at the edge of sense: what happens, and what the user is told.
+//! Extreme scenes, settings and numbers: the results, and the warnings that the user gets.
 //!
 //! Each test records rows of the table in `docs/stability.md`.
 
@@ -8,5 +8,6 @@ mod common;
 mod metropolis;
 mod numbers;
 mod places;
+mod records;
 mod rooms;
 mod sweeps;

@@ -1,56 +1,21 @@
-//! Numbers at the edge: indices of refraction around 1, radiances of all magnitudes, films of one
-//! pixel, emitters seen from the side.
+//! Extreme numbers: indices of refraction around 1, radiances of all magnitudes, films of one pixel,
+//! emitters seen edge-on.
 //!
 //! Statistical tests reject at ALPHA: a correct program fails a comparison with that probability for
 //! a new choice of seeds.
 
 use glam::{DMat4, DVec3};
-use metrolight::render::{Integrator, Rendering};
-use metrolight::scene::Scene;
+use metrolight::render::Method;
+use metrolight::scene::{Distribution, Scene};
 use metrolight::statistics::Moments;
 
-use crate::common::compare::{assert_mean, assert_same_image, mean, means, rendering, tiles};
-use crate::common::figures::{Stability, record};
-use crate::common::wording;
-use crate::common::worlds::{World, shine};
+use crate::common::renders::{mean, means, rendering};
+use crate::common::scenes::{SceneBuilder, emit};
+use crate::common::tiles::{assert_same_image, tiles};
+use crate::common::truths::assert_mean;
+use crate::records::{ALPHA, ROUNDING, row, told};
 
-use Integrator::{Bdpt, Light, Path, Pssmlt};
-
-/// False alarm rate of one comparison.
-pub const ALPHA: f64 = 1e-4;
-
-/// Estimators without variance may be off by this much, relative: some roundings of f32.
-pub const ROUNDING: f64 = 2e-5;
-
-/// Records what a case did, and what the user was told of it.
-pub fn row(case: &str, method: &str, happens: impl Into<String>, told: impl Into<String>) {
-    let (happens, told) = (happens.into(), told.into());
-    record(
-        "stability",
-        &Stability {
-            case,
-            method,
-            happens,
-            told,
-        },
-    );
-}
-
-/// What the user is told of a rendering, word for word.
-pub fn told(rendering: &Rendering) -> String {
-    match rendering.warnings.as_slice() {
-        [] => "nothing".into(),
-        warnings => {
-            let sentences: Vec<String> = warnings.iter().map(wording::warning).collect();
-            sentences.join("; ")
-        }
-    }
-}
-
-/// "0.6000 +- 0.0003".
-pub fn figure(moments: &Moments) -> String {
-    format!("{:.4} +- {:.4}", moments.mean, moments.standard_error())
-}
+use Method::{Bdpt, Light, Path, Pssmlt};
 
 /// Reflectance of a smooth interface for light at `cos` on the side of index 1, `eta` beyond it: for
 /// either polarisation the square of an amplitude (Born and Wolf, section 1.5.2).
@@ -65,21 +30,21 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// A floor that a lamp lights, and between them, if `eta` is given, a ball.
+/// A floor lit by a lamp, with an optional ball between them.
 fn floor_behind_ball(ball: Option<Ball>) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.9, 3.0), DVec3::new(0.0, -0.6, 0.0));
-    let mut world = World::seen(from, to, 40.0, [16, 12]).depth(7);
-    let white = world.diffuse(0.7);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    shine(world.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
+    let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(7);
+    let white = builder.diffuse(0.7);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    emit(builder.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
     let ball = ball.map(|ball| match ball {
-        Ball::Smooth(eta) => world.glass(eta),
-        Ball::Rough(eta) => world.rough_glass(eta, 0.3),
+        Ball::Smooth(eta) => builder.glass(eta),
+        Ball::Rough(eta) => builder.rough_glass(Distribution::Ggx, eta, 0.3),
     });
     if let Some(material) = ball {
-        world.sphere(DVec3::ZERO, 0.6, material);
+        builder.sphere(DVec3::ZERO, 0.6, material);
     }
-    world.build()
+    builder.build()
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,10 +53,10 @@ enum Ball {
     Rough(f32),
 }
 
-/// Null hypothesis: a ball whose index of refraction is (nearly) that of its surroundings changes
-/// nothing. At 1 + 1e-4 light is displaced by some 1e-4 of the ball and 2.5e-9 of it reflected.
+/// Null hypothesis: a ball with (nearly) the index of refraction of its surroundings does not change the
+/// image. At 1 + 1e-4 light is displaced by about 1e-4 of the ball, and 2.5e-9 of it is reflected.
 #[test]
-fn a_ball_of_index_one_is_no_ball() {
+fn a_ball_of_index_one_is_invisible() {
     for (integrator, spp) in [(Path, 96), (Bdpt, 32), (Pssmlt, 64)] {
         let without = tiles(&floor_behind_ball(None), integrator, spp, (1, 8), 4);
         for (i, ball) in [
@@ -119,26 +84,27 @@ fn a_ball_of_index_one_is_no_ball() {
     );
 }
 
-/// A slab of glass under a sky, and in it a black lamp that faces up: `from` looks at the middle of
-/// the top of the slab.
+/// A slab of glass under environment light, with a black lamp in it that faces up; `from` looks at the
+/// centre of the slab's top.
 pub fn lamp_in_slab(from: DVec3) -> Scene {
-    let mut world = World::seen(from, DVec3::Y, 0.02, [4, 3]);
-    let glass = world.glass(1.5);
-    let black = world.diffuse(0.0);
-    world.cube(DVec3::ZERO, DVec3::new(200.0, 1.0, 200.0), glass);
-    shine(
-        world.floor(DVec3::new(0.0, -0.5, 0.0), 199.9, black),
+    let mut builder = SceneBuilder::seen(from, DVec3::Y, 0.02, [4, 3]);
+    let glass = builder.glass(1.5);
+    let black = builder.diffuse(0.0);
+    builder.cube(DVec3::ZERO, DVec3::new(200.0, 1.0, 200.0), glass);
+    emit(
+        builder.floor(DVec3::new(0.0, -0.5, 0.0), 199.9, black),
         LAMP as f32,
     );
-    world.sky(SKY as f32);
-    world.build()
+    builder.sky(SKY as f32);
+    builder.build()
 }
 
 const LAMP: f64 = 3.0;
 const SKY: f64 = 0.8;
 
-/// Seen from below, the top of the slab reflects F of the lamp and shows (1 - F) n^2 of the sky; from
-/// above, F of the sky and (1 - F)/n^2 of the lamp. Beyond the critical angle of 41.81 degrees F = 1.
+/// From below, the radiance of the slab's top is F times that of the lamp plus (1 - F) n^2 times that of
+/// the environment; from above, F times that of the environment plus (1 - F)/n^2 times that of the lamp.
+/// Beyond the critical angle of 41.81 degrees F = 1.
 #[test]
 fn total_internal_reflection() {
     let n: f64 = 1.5;
@@ -179,21 +145,21 @@ fn total_internal_reflection() {
     );
 }
 
-/// A bubble of air in water with a black lamp at its centre. A ray at the height b, the bubble's
-/// radius being 1, meets the lamp if n b is less than the lamp's radius, passes beside it if n b < 1
-/// and shows the sky, and is totally reflected, to the sky too, beyond.
+/// An air bubble of radius 1 in water with a black lamp at its centre. A ray at height b hits the lamp if
+/// n b is less than the lamp's radius; if n b < 1 it misses the lamp and reaches the environment;
+/// otherwise it is totally reflected and reaches the environment too.
 #[test]
 fn air_bubbles_in_water() {
     let n = 1.33;
     for b in [0.0, 0.1, 0.5, 0.745, 0.76, 0.99] {
         let (from, to) = (DVec3::new(b, 0.0, 5.0), DVec3::new(b, 0.0, 0.0));
-        let mut world = World::seen(from, to, 0.02, [4, 3]);
-        let air = world.glass((1.0 / n) as f32);
-        let black = world.diffuse(0.0);
-        world.sphere(DVec3::ZERO, 1.0, air);
-        shine(world.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
-        world.sky(SKY as f32);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(from, to, 0.02, [4, 3]);
+        let air = builder.glass((1.0 / n) as f32);
+        let black = builder.diffuse(0.0);
+        builder.sphere(DVec3::ZERO, 1.0, air);
+        emit(builder.sphere(DVec3::ZERO, 0.2, black), LAMP as f32);
+        builder.sky(SKY as f32);
+        let scene = builder.build();
         let f = fresnel((1.0 - b * b).sqrt(), 1.0 / n);
         let truth = match b {
             b if n * b < 0.2 => f * SKY + (1.0 - f) * n * n * LAMP,
@@ -213,24 +179,24 @@ fn air_bubbles_in_water() {
     );
 }
 
-/// A small room with a lamp whose radiance is `radiance`, glass and a diffuse wall.
+/// A floor with a ball of glass under a lamp of the given radiance.
 fn room(radiance: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.5, 3.5), DVec3::new(0.0, -0.2, 0.0));
-    let mut world = World::seen(from, to, 40.0, [16, 12]).depth(6);
-    let white = world.diffuse(0.7);
-    let glass = world.glass(1.5);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    world.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, glass);
-    shine(world.ceiling(DVec3::Y, 0.5, white), radiance);
-    world.build()
+    let mut builder = SceneBuilder::seen(from, to, 40.0, [16, 12]).depth(6);
+    let white = builder.diffuse(0.7);
+    let glass = builder.glass(1.5);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, glass);
+    emit(builder.ceiling(DVec3::Y, 0.5, white), radiance);
+    builder.build()
 }
 
-/// Powers of two change no digit: the image must scale to the bit. Of 1e12 and 1e-12 the roundings
-/// differ, and a Metropolis chain that decides otherwise once goes its own way from there: the means
+/// For powers of two rounding is the same, and the image must scale bit for bit. For 1e12 and 1e-12
+/// rounding differs, and a Metropolis chain diverges after the first different decision, so the means
 /// over seeds must agree.
 #[test]
 fn images_scale_with_the_radiance_of_the_emitters() {
-    for integrator in Integrator::ALL {
+    for integrator in Method::ALL {
         let image = |radiance, spp| rendering(&room(radiance), integrator, spp, 1).image.pixels;
         let unit = image(1.0, 16);
         for exponent in [-40, 40] {
@@ -261,24 +227,24 @@ fn images_scale_with_the_radiance_of_the_emitters() {
     );
 }
 
-/// A lamp of radiance 1e12 and one of 1e-12, each over its own side of a black wall: each side must be
-/// what its lamp gives, and the dim one is not lost beside the bright one.
+/// Lamps of radiance 1e12 and 1e-12 on the two sides of a black wall: each side must equal the image with
+/// its lamp alone, so that the dim lamp is not lost beside the bright one.
 #[test]
 fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
     const BRIGHT: f32 = 1e12;
     const DIM: f32 = 1e-12;
     let scene = |bright: f32, dim: f32| {
-        let mut world = World::seen(DVec3::Y * 8.0, DVec3::ZERO, 40.0, [16, 4]);
-        let (white, black) = (world.diffuse(0.7), world.diffuse_sheet(0.0));
-        world.floor(DVec3::ZERO, 3.0, white);
-        world.cube(DVec3::Y * 1.5, DVec3::new(0.01, 1.5, 9.0), black);
+        let mut builder = SceneBuilder::seen(DVec3::Y * 8.0, DVec3::ZERO, 40.0, [16, 4]);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse_sheet(0.0));
+        builder.floor(DVec3::ZERO, 3.0, white);
+        builder.cube(DVec3::Y * 1.5, DVec3::new(0.01, 1.5, 9.0), black);
         for (side, radiance) in [(-1.0, bright), (1.0, dim)] {
-            let lamp = world.ceiling(DVec3::new(side * 1.5, 1.5, 0.0), 0.3, black);
+            let lamp = builder.ceiling(DVec3::new(side * 1.5, 1.5, 0.0), 0.3, black);
             if radiance > 0.0 {
-                shine(lamp, radiance);
+                emit(lamp, radiance);
             }
         }
-        world.depth(3).build()
+        builder.depth(3).build()
     };
     let both = scene(BRIGHT, DIM);
     for (integrator, spp) in [(Path, 256), (Light, 256), (Bdpt, 64), (Pssmlt, 256)] {
@@ -329,28 +295,28 @@ fn the_brightest_and_the_dimmest_emitter_in_one_scene() {
     }
 }
 
-/// The room seen on a film of `size` with a horizontal field of view of `fov`.
+/// A floor with a ball under a lamp, on a film of `size` with a horizontal field of view of `fov`.
 fn view(size: [u32; 2], fov: f64) -> Scene {
-    let mut world = World::seen(
+    let mut builder = SceneBuilder::seen(
         DVec3::new(0.0, 0.3, 3.5),
         DVec3::new(0.1, -0.3, 0.0),
         fov,
         size,
     );
-    let white = world.diffuse(0.7);
-    world.floor(DVec3::NEG_Y, 3.0, white);
-    world.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, white);
-    shine(world.ceiling(DVec3::Y, 0.5, white), 2.0);
-    world.depth(4).build()
+    let white = builder.diffuse(0.7);
+    builder.floor(DVec3::NEG_Y, 3.0, white);
+    builder.sphere(DVec3::new(0.4, -0.3, 0.0), 0.5, white);
+    emit(builder.ceiling(DVec3::Y, 0.5, white), 2.0);
+    builder.depth(4).build()
 }
 
-/// Null hypothesis: a film of one row or column is the middle row or column of a larger one with the same
-/// pixels, and a film of one pixel is the mean of a square one.
+/// Null hypothesis: a film of one row or column equals the middle row or column of a larger one with pixels
+/// of the same size, and a film of one pixel equals the mean of a square one.
 #[test]
 fn films_of_one_row_one_column_and_one_pixel() {
     let fov: f64 = 40.0;
     let column = 2.0 * ((0.5 * fov).to_radians().tan() / 9.0).atan().to_degrees();
-    for integrator in Integrator::ALL {
+    for integrator in Method::ALL {
         let name = |what| format!("{what}, {}", integrator.name());
         let of = |size, fov, group, side| tiles(&view(size, fov), integrator, 64, (group, 8), side);
         let whole = of([9, 9], fov, 1, 1);
@@ -374,38 +340,39 @@ fn films_of_one_row_one_column_and_one_pixel() {
     );
 }
 
-/// A lamp without thickness seen exactly from its edge shows nothing to the camera and gives nothing to
-/// the floor in its own plane; where rounding tilts it, next to nothing.
+/// A flat lamp seen exactly edge-on is invisible, and does not light the floor in its own plane; where
+/// rounding tilts it, almost.
 #[test]
-fn an_emitter_seen_from_its_edge_gives_nothing() {
+fn an_emitter_seen_edge_on_is_invisible() {
     let mut told_of = String::new();
     for turn in [0.0, 0.3] {
         let tilt = DMat4::from_rotation_z(turn) * DMat4::from_rotation_x(turn);
         let place = |p: DVec3| tilt.transform_point3(p);
         // In the plane of the lamp, which is that of the floor.
         let (from, to) = (DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO);
-        let mut world = World::seen(place(from), place(to), 30.0, [16, 12]).depth(3);
-        let (white, black) = (world.diffuse(0.7), world.diffuse(0.0));
-        world
+        let mut builder = SceneBuilder::seen(place(from), place(to), 30.0, [16, 12]).depth(3);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse(0.0));
+        builder
             .floor(DVec3::new(0.0, 0.0, -3.0), 1.0, white)
             .flip_normals = false;
-        world.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(world.floor(DVec3::ZERO, 1.0, black), 1.0);
-        for shape in &mut world.0.shapes {
+        builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
+        emit(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
-        let edge_on = world.build();
-        // From above, the lamp itself in black: the floor beside it.
+        let edge_on = builder.build();
+        // The floor beside the lamp, from above.
         let above = DVec3::new(2.5, 3.0, 0.0);
-        let mut world = World::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);
-        let (white, black) = (world.diffuse(0.7), world.diffuse(0.0));
-        world.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
-        shine(world.floor(DVec3::ZERO, 1.0, black), 1.0);
-        for shape in &mut world.0.shapes {
+        let mut builder =
+            SceneBuilder::seen(place(above), place(above - DVec3::Y), 30.0, [16, 12]).depth(3);
+        let (white, black) = (builder.diffuse(0.7), builder.diffuse(0.0));
+        builder.floor(DVec3::new(2.5, 0.0, 0.0), 1.0, white);
+        emit(builder.floor(DVec3::ZERO, 1.0, black), 1.0);
+        for shape in &mut builder.shapes {
             shape.to_world = tilt * shape.to_world;
         }
-        for scene in [edge_on, world.build()] {
-            for integrator in Integrator::ALL {
+        for scene in [edge_on, builder.build()] {
+            for integrator in Method::ALL {
                 let rendering = rendering(&scene, integrator, 64, 1);
                 let mean = mean(&rendering);
                 assert!(
@@ -414,7 +381,7 @@ fn an_emitter_seen_from_its_edge_gives_nothing() {
                     integrator.name()
                 );
                 if mean == 0.0 && integrator == Path {
-                    told_of = told(&rendering);
+                    told_of = told(&rendering.warnings);
                 }
             }
         }

@@ -1,21 +1,24 @@
-//! Places at the edge: a camera in glass, in a lamp, on a surface; rooms that light cannot leave.
+//! Extreme placements: a camera in glass, in a lamp, on a surface; and rooms that light cannot leave.
+//!
+//! Null hypotheses, thresholds and false-alarm rates are those of `assert_mean` at ALPHA.
 
 use glam::{DMat4, DVec3};
 use metrolight::analysis::trapped_light;
-use metrolight::render::{Integrator, Settings, Unobserved, render};
+use metrolight::render::{Method, Settings, Unobserved, render};
 use metrolight::scene::{Scene, ThinLens, TriangleMesh};
 use metrolight::statistics::Moments;
 
-use super::numbers::{ALPHA, ROUNDING, figure, lamp_in_slab, row, told};
-use crate::common::compare::{assert_mean, mean, means, rendering, settings};
-use crate::common::wording;
-use crate::common::worlds::{World, shine};
+use super::numbers::lamp_in_slab;
+use crate::common::renders::{mean, means, rendering, renderings, settings, with_pssmlt};
+use crate::common::scenes::{SceneBuilder, emit};
+use crate::common::truths::assert_mean;
+use crate::records::{ALPHA, ROUNDING, figure, row, told};
 
-use Integrator::{Bdpt, Light, Path, Pssmlt};
+use Method::{Bdpt, Light, Path, Pssmlt};
 
-/// Wherever light of radiance L can come from outside, radiance in glass is n^2 L: at the centre of a
-/// ball, and in a pane. Away from the centre of the ball, rays that meet its surface beyond the
-/// critical angle do so for ever: no light comes from there, and their paths must end.
+/// In glass, radiance from directions that reach an environment of radiance L is n^2 L. Off the centre of a
+/// ball, rays that hit its surface beyond the critical angle are totally reflected forever: they carry no
+/// light, and their paths must end.
 #[test]
 fn a_camera_in_glass() {
     let n: f64 = 1.5;
@@ -34,11 +37,11 @@ fn a_camera_in_glass() {
             0.0,
         ),
     ] {
-        let mut world = World::seen(from, to, 5.0, [4, 3]);
-        let glass = world.glass(n as f32);
-        world.sphere(DVec3::ZERO, 1.0, glass);
-        world.sky(1.0);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(from, to, 5.0, [4, 3]);
+        let glass = builder.glass(n as f32);
+        builder.sphere(DVec3::ZERO, 1.0, glass);
+        builder.sky(1.0);
+        let scene = builder.build();
         for integrator in [Path, Bdpt, Pssmlt] {
             let moments = means(&scene, integrator, 200, 8);
             let name = format!("{what}, {}", integrator.name());
@@ -48,31 +51,31 @@ fn a_camera_in_glass() {
             &format!("a camera inside glass: {what}"),
             "path, bdpt, pssmlt",
             format!("radiance {truth} L, with n^2 = 2.25, as in theory"),
-            told(&rendering(&scene, Path, 16, 1)),
+            told(&rendering(&scene, Path, 16, 1).warnings),
         );
     }
 }
 
-/// Inside a lamp that shines inward every pixel is its radiance; inside one that shines outward, black.
+/// Inside a lamp that emits inward every pixel has its radiance; inside one that emits outward, 0.
 #[test]
 fn a_camera_in_a_lamp() {
     for (inward, truth) in [(true, 3.0), (false, 0.0)] {
-        let mut world = World::seen(DVec3::new(0.2, 0.1, -0.3), DVec3::X, 60.0, [6, 4]);
-        let black = world.diffuse(0.0);
-        let lamp = world.sphere(DVec3::ZERO, 1.0, black);
+        let mut builder = SceneBuilder::seen(DVec3::new(0.2, 0.1, -0.3), DVec3::X, 60.0, [6, 4]);
+        let black = builder.diffuse(0.0);
+        let lamp = builder.sphere(DVec3::ZERO, 1.0, black);
         lamp.flip_normals = inward;
-        shine(lamp, 3.0);
-        let scene = world.build();
+        emit(lamp, 3.0);
+        let scene = builder.build();
         let mut message = String::new();
-        for integrator in Integrator::ALL {
+        for integrator in Method::ALL {
             let rendering = rendering(&scene, integrator, 64, 1);
-            message = told(&rendering);
-            if integrator != Integrator::Light {
+            message = told(&rendering.warnings);
+            if integrator != Method::Light {
                 let pixels = rendering.image.pixels.iter().flatten();
                 let error = pixels
                     .map(|&x| (f64::from(x) - truth).abs())
                     .fold(0.0, f64::max);
-                // A Metropolis chain visits pixels at random, though its mean is exact.
+                // A Metropolis chain visits pixels at random; only its mean is exact.
                 let exact = if integrator == Pssmlt { 1.0 } else { 0.0 };
                 assert!(error <= exact * truth, "{}: {error}", integrator.name());
             }
@@ -91,9 +94,8 @@ fn a_camera_in_a_lamp() {
     }
 }
 
-/// A camera whose pinhole lies exactly on a floor of albedo 1/2, or half its near_clip above, does not see
-/// the floor, which is nearer than its near plane: in all directions it sees the sky of radiance 1, above
-/// or below.
+/// A camera exactly on a floor of albedo 1/2, or half its near_clip above, does not see the floor, which is
+/// nearer than its near plane: in all directions it sees the environment of radiance 1.
 #[test]
 fn a_camera_on_a_floor() {
     for (what, height, to) in [
@@ -103,12 +105,12 @@ fn a_camera_on_a_floor() {
         ("down from just above it", 5e-4, DVec3::new(0.1, -1.0, 0.0)),
     ] {
         let from = DVec3::Y * height;
-        let mut world = World::seen(from, from + to, 50.0, [6, 4]).depth(3);
-        let white = world.diffuse_sheet(0.5);
-        world.floor(DVec3::ZERO, 1.0, white);
-        world.sky(1.0);
-        let scene = world.build();
-        for integrator in Integrator::ALL {
+        let mut builder = SceneBuilder::seen(from, from + to, 50.0, [6, 4]).depth(3);
+        let white = builder.diffuse_sheet(0.5);
+        builder.floor(DVec3::ZERO, 1.0, white);
+        builder.sky(1.0);
+        let scene = builder.build();
+        for integrator in Method::ALL {
             let moments = means(&scene, integrator, 400, 8);
             let name = format!("{what}, {}", integrator.name());
             assert_mean(&name, &moments, 1.0, ROUNDING, ALPHA);
@@ -122,16 +124,16 @@ fn a_camera_on_a_floor() {
     );
 }
 
-/// A camera exactly on the surface of a glass ball looks out along the normal, or in: its rays begin at
-/// the near plane, outside or inside.
+/// A camera exactly on the surface of a glass ball looks along the normal, out or in: its rays start at the
+/// near plane, outside or inside.
 #[test]
 fn a_camera_on_glass() {
     for (what, to, truth) in [("out", DVec3::X * 2.0, 1.0), ("in", DVec3::ZERO, 2.25)] {
-        let mut world = World::seen(DVec3::X, to, 5.0, [4, 3]);
-        let glass = world.glass(1.5);
-        world.sphere(DVec3::ZERO, 1.0, glass);
-        world.sky(1.0);
-        let scene = world.build();
+        let mut builder = SceneBuilder::seen(DVec3::X, to, 5.0, [4, 3]);
+        let glass = builder.glass(1.5);
+        builder.sphere(DVec3::ZERO, 1.0, glass);
+        builder.sky(1.0);
+        let scene = builder.build();
         for integrator in [Path, Bdpt, Pssmlt] {
             let moments = means(&scene, integrator, 200, 8);
             let name = format!("{what}, {}", integrator.name());
@@ -146,19 +148,19 @@ fn a_camera_on_glass() {
     );
 }
 
-/// A pane of glass cuts a thin lens in half: half of its rays begin in air and show L, the others in glass
-/// and show n^2 L.
+/// The surface of a glass block bisects a thin lens: half of its rays start in air and have radiance L, the
+/// others start in glass and have n^2 L.
 #[test]
 fn a_lens_cut_by_glass() {
-    let mut world = World::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
-    world.0.camera.lens = Some(ThinLens {
+    let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::Z, 20.0, [6, 4]);
+    builder.lens = Some(ThinLens {
         aperture_radius: 0.1,
         focus_distance: 2.0,
     });
-    let glass = world.glass(1.5);
-    world.cube(DVec3::X * 5.0, DVec3::splat(5.0), glass);
-    world.sky(1.0);
-    let scene = world.build();
+    let glass = builder.glass(1.5);
+    builder.cube(DVec3::X * 5.0, DVec3::splat(5.0), glass);
+    builder.sky(1.0);
+    let scene = builder.build();
     for integrator in [Path, Bdpt, Pssmlt] {
         let moments = means(&scene, integrator, 400, 8);
         assert_mean(integrator.name(), &moments, 1.625, ROUNDING, ALPHA);
@@ -171,20 +173,19 @@ fn a_lens_cut_by_glass() {
     }
 }
 
-/// A white room without an opening, the inside of a sphere, and in it a lamp that absorbs what meets
-/// it.
+/// A closed white room, the inside of a sphere, with a black lamp.
 fn white_room(lamp_radius: f64) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
-    let mut world = World::seen(from, to, 60.0, [6, 4]);
-    let white = world.diffuse(1.0);
-    let black = world.diffuse(0.0);
-    world.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
-    shine(world.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
-    world.build()
+    let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
+    let white = builder.diffuse(1.0);
+    let black = builder.diffuse(0.0);
+    builder.sphere(DVec3::ZERO, 1.0, white).flip_normals = true;
+    emit(builder.sphere(DVec3::ZERO, lamp_radius, black), 1.0);
+    builder.build()
 }
 
-/// In equilibrium radiance is that of the lamp, everywhere, however long its light takes: with a lamp
-/// of radius 0.1 it meets the room a hundred times before it meets the lamp again.
+/// In equilibrium radiance equals the lamp's everywhere. With a lamp of radius 0.1 light is reflected a
+/// hundred times before it hits the lamp again.
 #[test]
 fn a_white_room_is_as_bright_as_its_black_lamp() {
     let mut found = Vec::new();
@@ -196,15 +197,11 @@ fn a_white_room_is_as_bright_as_its_black_lamp() {
     ] {
         let scene = white_room(radius);
         assert_eq!(trapped_light(&scene), None);
-        let moments: Moments = (0..8)
-            .map(|seed| {
-                let settings = Settings {
-                    seed,
-                    bootstrap: Some(bootstrap),
-                    ..settings(integrator, spp)
-                };
-                mean(&render(&scene, &settings, &Unobserved).expect("threads"))
-            })
+        let settings = with_pssmlt(settings(integrator, spp), |own| {
+            own.bootstrap = Some(bootstrap);
+        });
+        let moments: Moments = renderings(&scene, &settings, 0..8)
+            .map(|r| mean(&r))
             .collect();
         let name = integrator.name();
         assert_mean(name, &moments, 1.0, ROUNDING, ALPHA);
@@ -221,8 +218,8 @@ fn a_white_room_is_as_bright_as_its_black_lamp() {
     );
 }
 
-/// L = 1/(1 - 0.99) = 100 in a closed room that absorbs a hundredth. Under Russian roulette with a
-/// bound of 0.95 for all vertices the weights grow faster than paths end: 133 +- 43 from as many
+/// L = 1/(1 - 0.99) = 100 in a closed room of albedo 0.99. If Russian roulette bounded the survival
+/// probability by 0.95 at all vertices, weights would grow faster than paths end: 133 +- 43 from as many
 /// samples.
 #[test]
 fn a_nearly_white_furnace_has_finite_variance() {
@@ -239,30 +236,29 @@ fn a_nearly_white_furnace_has_finite_variance() {
     }
 }
 
-/// The inside of a sphere that shines with radiance 1 and reflects `albedo`.
+/// The inside of a sphere that emits radiance 1 and reflects `albedo`.
 fn furnace(albedo: f32) -> Scene {
     let (from, to) = (DVec3::new(0.0, 0.1, 0.8), DVec3::new(0.2, 0.0, 0.0));
-    let mut world = World::seen(from, to, 60.0, [6, 4]);
-    let white = world.diffuse(albedo);
-    let wall = world.sphere(DVec3::ZERO, 1.0, white);
+    let mut builder = SceneBuilder::seen(from, to, 60.0, [6, 4]);
+    let white = builder.diffuse(albedo);
+    let wall = builder.sphere(DVec3::ZERO, 1.0, white);
     wall.flip_normals = true;
-    shine(wall, 1.0);
-    world.build()
+    emit(wall, 1.0);
+    builder.build()
 }
 
-/// A closed furnace of albedo 1 has no finite brightness: every render of it ends, with some number,
-/// and the user is told that it means nothing. Not so where light gets out or is absorbed, or where the
-/// user limits the length of paths.
+/// A closed furnace of albedo 1 has infinite radiance: every render of it ends, with a meaningless value
+/// and a warning. There is no warning where light escapes or is absorbed, or where path length is
+/// limited.
 #[test]
 fn a_closed_white_furnace_ends_and_is_reported() {
     let scene = furnace(1.0);
     let trapped = trapped_light(&scene).expect("all of it");
     assert_eq!(trapped.share, 1.0);
-    for integrator in Integrator::ALL {
-        let settings = Settings {
-            bootstrap: Some(1000),
-            ..settings(integrator, 16)
-        };
+    for integrator in Method::ALL {
+        let settings = with_pssmlt(settings(integrator, 16), |own| {
+            own.bootstrap = Some(1000);
+        });
         let rendering = render(&scene, &settings, &Unobserved).expect("threads");
         assert_eq!(rendering.statistics.non_finite, 0);
         assert!(mean(&rendering) > 10.0);
@@ -281,19 +277,19 @@ fn a_closed_white_furnace_ends_and_is_reported() {
     assert_eq!(trapped_light(&limited), None);
 }
 
-/// Whatever cannot absorb shows the radiance of the sky: a white box without a lid.
+/// A white box without a lid absorbs nothing, so it has the radiance of the environment.
 #[test]
-fn an_open_white_box_is_as_bright_as_the_sky() {
+fn an_open_white_box_has_the_radiance_of_the_environment() {
     for (integrator, spp) in [(Path, 200), (Bdpt, 50), (Pssmlt, 100)] {
         let (from, to) = (DVec3::new(0.0, 1.4, 0.9), DVec3::new(0.0, -0.2, -0.5));
-        let mut world = World::seen(from, to, 50.0, [6, 4]);
-        let white = world.diffuse_sheet(1.0);
+        let mut builder = SceneBuilder::seen(from, to, 50.0, [6, 4]);
+        let white = builder.diffuse_sheet(1.0);
         let mut sides = TriangleMesh::cube();
         // The second face is the lid.
         sides.triangles.drain(2..4);
-        world.mesh(sides, DMat4::IDENTITY, white);
-        world.sky(1.0);
-        let scene = world.build();
+        builder.mesh(sides, DMat4::IDENTITY, white);
+        builder.sky(1.0);
+        let scene = builder.build();
         let moments = means(&scene, integrator, spp, 10);
         assert_mean(integrator.name(), &moments, 1.0, ROUNDING, ALPHA);
     }
@@ -305,16 +301,20 @@ fn an_open_white_box_is_as_bright_as_the_sky() {
     );
 }
 
-/// Coordinates at which f32 and even f64 have nothing left to say are an error that names the shape.
+/// Coordinates too large for the precision of f64 are an error that names the shape.
 #[test]
-fn absurd_coordinates() {
+fn huge_coordinates() {
     let message = |distance: f64| {
-        let mut world = World::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
-        let white = world.diffuse(0.5);
-        world.sphere(DVec3::X * 4.0, 1.0, white);
-        world.floor(DVec3::Y * -distance, 1.0, white);
-        world.sky(1.0);
-        world.0.build().err().map(|error| error.to_string())
+        let mut builder = SceneBuilder::seen(DVec3::ZERO, DVec3::X, 40.0, [4, 3]);
+        let white = builder.diffuse(0.5);
+        builder.sphere(DVec3::X * 4.0, 1.0, white);
+        builder.floor(DVec3::Y * -distance, 1.0, white);
+        builder.sky(1.0);
+        builder
+            .description()
+            .build()
+            .err()
+            .map(|error| error.to_string())
     };
     let told = message(1e30).expect("an error");
     assert!(

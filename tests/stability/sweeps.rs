@@ -1,32 +1,36 @@
-//! Error at fixed work while something shrinks: lamps, roughness, a slit.
+//! Error at fixed work as a parameter shrinks: lamps, roughness, a slit.
 //!
-//! Every point of a sweep is a scene of its own with a reference made by many times the work. What is
-//! recorded makes the charts in `docs/stability.md`.
+//! Every point of a sweep is a scene with a reference of many times the work. The recorded rows make the
+//! charts in `docs/stability.md`.
 
+use glam::{DMat4, DVec3};
 use metrolight::analysis::lost_light;
 use metrolight::metrics::relative_mse;
-use metrolight::render::{Budget, Integrator, Settings, Unobserved, render};
-use metrolight::scene::Scene;
+use metrolight::render::{Budget, Method, Rendering, Settings, Unobserved, render};
+use metrolight::scene::{Distribution, Scene, TriangleMesh};
 use metrolight::statistics::Moments;
 use serde::Serialize;
 
-use super::common::figures::record;
-use super::common::wording;
-use super::rooms::{GLASS, OUT_OF_SIGHT, ball, behind_one_pane, behind_two_panes, lamp, room};
+use super::rooms::{
+    BK7, OUT_OF_SIGHT, add_glass_ball, add_lamp, behind_one_pane, behind_two_panes, room,
+};
+use crate::common::figures::record;
+use crate::common::renders::renderings;
+use crate::common::renders::with_pssmlt;
 
-/// What shrinks.
+/// The parameter that shrinks.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum Sweep {
     /// Area of a lamp in a diffuse room.
     Lamp,
-    /// Area of a lamp over a ball of glass, whose caustic is seen directly.
+    /// Area of a lamp over a ball of glass with a visible caustic.
     LampOverGlass,
-    /// Area of a lamp in a ball of glass, whose direct light is seen from within another.
+    /// Area of a lamp in a ball of glass, seen by a camera in another.
     LampBehindTwoPanes,
     /// Roughness of a ball of glass.
     Roughness,
-    /// Width of a slit that all light comes through.
+    /// Width of a slit that all light passes.
     Slit,
 }
 
@@ -38,17 +42,17 @@ const ALL: [Sweep; 5] = [
     Sweep::Slit,
 ];
 
-const METHODS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integrator::Pssmlt];
+const METHODS: [Method; 3] = [Method::Path, Method::Bdpt, Method::Pssmlt];
 
-/// Samples or mutations per pixel of every image that is judged.
+/// Samples or mutations per pixel of every tested image.
 const WORK: u64 = 64;
 
-/// What is spent on a point of a sweep.
+/// Work per point of a sweep.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// Images that are judged.
+    /// Tested images.
     seeds: u64,
-    /// Work of the reference, as a multiple of theirs.
+    /// Work of the reference, as a multiple of [`WORK`].
     reference: u64,
 }
 
@@ -58,7 +62,7 @@ const FULL: Effort = Effort {
     reference: 32,
 };
 
-/// For assertions about factors.
+/// For assertions.
 const QUICK: Effort = Effort {
     seeds: 2,
     reference: 12,
@@ -79,7 +83,7 @@ struct Row<'a> {
 }
 
 impl Sweep {
-    /// The parameter's values, the easiest first.
+    /// Values of the parameter, the easiest first.
     fn parameters(self) -> Vec<f64> {
         match self {
             Self::Lamp | Self::LampOverGlass | Self::LampBehindTwoPanes => {
@@ -92,41 +96,42 @@ impl Sweep {
 
     fn scene(self, parameter: f64) -> Scene {
         let radius = radius(parameter);
-        // Out of sight: a lamp in view is brighter than all that it lights.
-        let above = OUT_OF_SIGHT;
+        let ball = DVec3::new(0.3, 0.7, 0.0);
+        let mut builder = room();
+        // Lamps are out of sight: one in view is brighter than all that it lights.
         match self {
-            Self::Lamp => room(&lamp(radius, above)),
+            Self::Lamp => add_lamp(&mut builder, radius, OUT_OF_SIGHT),
             Self::LampOverGlass => {
-                room(&(lamp(radius, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], GLASS)))
+                add_lamp(&mut builder, radius, OUT_OF_SIGHT);
+                add_glass_ball(&mut builder, 0.6, ball);
             }
-            Self::LampBehindTwoPanes => behind_two_panes(radius),
+            Self::LampBehindTwoPanes => return behind_two_panes(radius),
             Self::Roughness => {
-                let glass = if parameter > 0.0 {
-                    format!(
-                        "<bsdf type='roughdielectric'><float name='alpha' value='{parameter}'/></bsdf>"
-                    )
+                add_lamp(&mut builder, 0.2, OUT_OF_SIGHT);
+                if parameter > 0.0 {
+                    let glass = builder.rough_glass(Distribution::Beckmann, BK7, parameter as f32);
+                    builder.sphere(ball, 0.6, glass);
                 } else {
-                    GLASS.into()
-                };
-                room(&(lamp(0.2, above) + &ball("ball", 0.6, [0.3, 0.7, 0.0], &glass)))
+                    add_glass_ball(&mut builder, 0.6, ball);
+                }
             }
             Self::Slit => {
-                // A wall across the room, with a slit; the lamp is behind it, out of sight.
+                // A wall across the room, with a slit; the lamp is behind it.
                 let half = 0.5 * (2.0 - 0.5 * parameter);
                 let center = 0.25 * parameter + half;
-                let wall = [-center, center].map(|x| {
-                    format!(
-                        "<shape type='rectangle'><transform name='to_world'>
-                           <scale x='{half}' y='2'/><translate x='{x}' y='1.5' z='-0.5'/></transform>
-                           <bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>"
-                    )
-                });
-                room(&(wall.concat() + &lamp(0.1, [1.2, 1.5, -1.2])))
+                let wall = builder.diffuse_sheet(0.5);
+                for x in [-center, center] {
+                    let to_world = DMat4::from_translation(DVec3::new(x, 1.5, -0.5))
+                        * DMat4::from_scale(DVec3::new(half, 2.0, 1.0));
+                    builder.mesh(TriangleMesh::rectangle(), to_world, wall);
+                }
+                add_lamp(&mut builder, 0.1, DVec3::new(1.2, 1.5, -1.2));
             }
         }
+        builder.build()
     }
 
-    /// The truth, but for the noise of much work by bidirectional path tracing.
+    /// A reference by bidirectional path tracing with much work.
     fn reference(self, parameter: f64, effort: Effort) -> Vec<[f32; 3]> {
         let (scene, factor) = match self {
             Self::LampBehindTwoPanes => behind_one_pane(radius(parameter)),
@@ -137,7 +142,7 @@ impl Sweep {
         let settings = Settings {
             budget: Budget::SamplesPerPixel(effort.reference * WORK),
             seed: 1000,
-            ..Settings::new(Integrator::Bdpt)
+            ..Settings::new(Method::Bdpt)
         };
         let image = render(&scene, &settings, &Unobserved)
             .expect("threads")
@@ -152,20 +157,20 @@ impl Sweep {
         METHODS
             .map(|integrator| {
                 let (mut error, mut found) = (Moments::default(), Moments::default());
-                for seed in 0..effort.seeds {
-                    let settings = Settings {
+                let settings = with_pssmlt(
+                    Settings {
                         budget: Budget::SamplesPerPixel(WORK),
-                        seed,
-                        bootstrap: Some(50_000),
                         ..Settings::new(integrator)
-                    };
-                    let image = render(&scene, &settings, &Unobserved)
-                        .expect("threads")
-                        .image;
+                    },
+                    |own| {
+                        own.bootstrap = Some(50_000);
+                    },
+                );
+                for Rendering { image, .. } in renderings(&scene, &settings, 0..effort.seeds) {
                     error.add(relative_mse(&image.pixels, &reference));
                     found.add(mean(&image.pixels) / mean(&reference));
                 }
-                let lost = lost_light(&scene, integrator.sampler());
+                let lost = lost_light(&scene, integrator.techniques());
                 Row {
                     sweep: self,
                     parameter,
@@ -180,7 +185,7 @@ impl Sweep {
     }
 }
 
-/// Of a sphere, by its area 4 pi r^2.
+/// Radius of a sphere of the given area, 4 pi r^2.
 fn radius(area: f64) -> f64 {
     (area / (4.0 * std::f64::consts::PI)).sqrt()
 }
@@ -189,14 +194,14 @@ fn mean(pixels: &[[f32; 3]]) -> f64 {
     pixels.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / (3 * pixels.len()) as f64
 }
 
-/// The rows of the ends of a sweep, by integrator: easiest and hardest.
+/// Rows of the easiest and of the hardest point of a sweep, by integrator.
 fn ends(sweep: Sweep, hardest: f64) -> [Vec<Row<'static>>; 2] {
     [sweep.parameters()[0], hardest].map(|parameter| sweep.rows(parameter, QUICK))
 }
 
-/// Next event estimation does not mind how small a lamp is.
+/// The error of next event estimation does not depend on the size of a lamp.
 #[test]
-fn a_shrinking_lamp_costs_nothing_where_it_can_be_joined() {
+fn a_shrinking_lamp_costs_nothing_with_next_event_estimation() {
     let [large, small] = ends(Sweep::Lamp, 1e-8);
     for (large, small) in large.iter().zip(&small) {
         assert!(
@@ -211,8 +216,8 @@ fn a_shrinking_lamp_costs_nothing_where_it_can_be_joined() {
     }
 }
 
-/// Path tracing loses a caustic as the lamp shrinks, and says so. What the others say is about the
-/// floor seen through the ball alone, which is little.
+/// Path tracing loses a caustic as the lamp shrinks, and warns. The warnings of the others concern only the
+/// floor seen through the ball, which is little light.
 #[test]
 fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
     let [path, bdpt, pssmlt] = &Sweep::LampOverGlass.rows(1e-6, QUICK)[..] else {
@@ -234,12 +239,12 @@ fn a_shrinking_lamp_over_glass_is_lost_to_path_tracing_alone() {
     }
 }
 
-/// Behind two panes all depends on running into the lamp.
+/// Behind two panes only hits on the lamp find light.
 #[test]
 fn a_lamp_behind_two_panes_is_reported_when_it_is_too_small() {
     let told = |area| {
         let scene = Sweep::LampBehindTwoPanes.scene(area);
-        METHODS.map(|integrator| lost_light(&scene, integrator.sampler()).len())
+        METHODS.map(|integrator| lost_light(&scene, integrator.techniques()).len())
     };
     assert_eq!(told(1.0), [0; 3]);
     let small = told(1e-7);
@@ -250,9 +255,9 @@ fn a_lamp_behind_two_panes_is_reported_when_it_is_too_small() {
     }
 }
 
-/// Rough glass that becomes smooth: joins through it give way to what smooth glass allows.
+/// As rough glass becomes smooth, connections at it become impossible; other techniques find the light.
 #[test]
-fn glass_may_become_smooth() {
+fn error_stays_bounded_as_glass_becomes_smooth() {
     let [rough, smooth] = ends(Sweep::Roughness, 1e-3);
     for (rough, smooth) in rough.iter().zip(&smooth).skip(1) {
         assert!(
@@ -271,9 +276,9 @@ fn glass_may_become_smooth() {
     }
 }
 
-/// A closing slit: all methods find the light that is left.
+/// As a slit closes, all methods find the remaining light.
 #[test]
-fn a_slit_may_close() {
+fn all_methods_find_the_light_through_a_slit() {
     for row in Sweep::Slit.rows(0.05, QUICK) {
         assert!(
             (row.found - 1.0).abs() < (5.0 * row.found_error).max(0.1),
@@ -285,7 +290,7 @@ fn a_slit_may_close() {
     }
 }
 
-/// All sweeps, for the charts; takes some minutes.
+/// All sweeps, for the charts. Takes some minutes.
 #[test]
 #[ignore = "takes minutes: METROLIGHT_FIGURES=target/figures cargo test --release --test stability sweeps -- --ignored"]
 fn all_sweeps() {

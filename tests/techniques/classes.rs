@@ -1,9 +1,9 @@
-//! Classes of paths, and which technique finds which (Veach 1997, section 8.3).
+//! Classes of paths, and the techniques that find them (Veach 1997, section 8.3).
 //!
-//! A class says of every surface on the way from the emitter to the lens whether light passes it by a
-//! delta function: L S D E. In the full notation emitter and lens have two letters each, one for the
-//! vertex and one for the direction. Technique (s, t) joins two neighbours by an edge that it has not
-//! sampled: its s vertices say all up to letter s, and letters s and s + 1 must both be D.
+//! A class names for every vertex from the emitter to the lens whether it scatters by a delta function (S)
+//! or not (D): L S D E. In the full notation emitter and lens have two letters each, one for the vertex and
+//! one for the direction. Technique (s, t) connects two neighbours by an edge that it has not sampled, so
+//! letters s and s + 1 of the full notation must both be D.
 
 use std::fmt;
 
@@ -41,7 +41,7 @@ impl Class {
         Self::new(letters.chars().map(|c| if c == 'S' { S } else { D }))
     }
 
-    /// k.
+    /// Number of edges, k.
     pub fn edges(self) -> usize {
         self.surfaces as usize + 1
     }
@@ -62,8 +62,8 @@ impl fmt::Display for Class {
 pub enum Emitter {
     Area,
     Point,
-    /// Its vertex is a direction, in which alone it shines, and where light starts is spread out: the
-    /// letters of a point light. (Veach's SD and DS are those of a lamp with a place.)
+    /// It emits in a single direction, from a distribution of positions: the letters of a point light.
+    /// (Veach's SD and DS are those of a light with a position.)
     Directional,
 }
 
@@ -73,8 +73,7 @@ pub enum Lens {
     Thin,
 }
 
-/// The techniques that paths of `edges` edges may be made by: light that hits the lens, t = 0, counts
-/// as none.
+/// The techniques that sample paths of `edges` edges, without t = 0, light subpaths that hit the lens.
 pub fn techniques(edges: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..=edges).map(move |s| (s, edges + 1 - s))
 }
@@ -86,7 +85,7 @@ pub fn finds(emitter: Emitter, lens: Lens, class: Class, (s, _): (usize, usize))
         Emitter::Point | Emitter::Directional => vec![S, D],
     };
     letters.extend(class.events());
-    // Direction, then place.
+    // Direction, then position.
     letters.extend(match lens {
         Lens::Pinhole => [D, S],
         Lens::Thin => [D, D],

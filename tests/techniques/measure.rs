@@ -1,27 +1,26 @@
-//! The light of every class of paths as each technique alone finds it.
+//! The light of every class of paths found by each technique alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::Vec2;
-use metrolight::integrators::{Technique, Workspace, bdpt};
+use metrolight::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
 use metrolight::math::luminance;
-use metrolight::path::{Heuristic, Vertex, dimensions};
-use metrolight::sampling::seeds::{self, Purpose};
-use metrolight::sampling::{Coordinates, FreshCoordinates, Stream};
+use metrolight::path::Vertex;
+use metrolight::sampling::IndependentSampler;
+use metrolight::sampling::seeds::Purpose;
 use metrolight::scene::Scene;
 use metrolight::statistics::Moments;
 use rayon::prelude::*;
 
 use super::classes::{Class, Event};
 
-/// Independent parts of the samples: means over them are all but normal, and sums of any of their
-/// parts have a variance, however these hang together.
+/// Independent batches of samples: their means are nearly normal, and give sums over classes and techniques
+/// a variance estimate, however these are correlated.
 const BATCHES: usize = 64;
 
 /// Halves of the film, left and right, in which light is measured.
 pub const HALVES: [&str; 2] = ["left", "right"];
 
-/// What was found, of one class by one technique in one half of the film.
+/// Paths of one class, found by one technique in one half of the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     pub class: Class,
@@ -40,18 +39,18 @@ struct Tally {
 
 pub struct Measured {
     tallies: BTreeMap<Key, Tally>,
-    /// Diffuse surfaces that have been found.
+    /// Diffuse surfaces lit or seen through delta functions.
     pub behind: Behind<String>,
 }
 
-/// Diffuse surfaces that light reaches, and leaves for the lens, through delta functions.
+/// Diffuse surfaces that light reaches, or leaves toward the lens, through delta functions.
 #[derive(Default)]
 pub struct Behind<T> {
-    /// Lit so: x_1 and on to the first D are S.
+    /// Reached: the path has S vertices before its first D.
     pub lit: BTreeSet<T>,
-    /// Seen so: x_{k-1} and back to the last D are S.
+    /// Left: the path has S vertices after its last D.
     pub seen: BTreeSet<T>,
-    /// Both on one path, with no other D.
+    /// Both on one path, without another D.
     pub both: BTreeSet<T>,
 }
 
@@ -114,7 +113,7 @@ impl Measured {
         Self { tallies, behind }
     }
 
-    /// All classes that anything has been found of.
+    /// All classes of which a path has been found.
     pub fn classes(&self) -> BTreeSet<Class> {
         self.tallies.keys().map(|key| key.class).collect()
     }
@@ -162,22 +161,15 @@ fn measure(scene: &Scene, batch: u64, samples: usize) -> (Batch, Behind<u32>) {
     let mut behind = Behind::default();
     let mut workspace = Workspace::default();
     let mut made = Vec::new();
-    let mut point = FreshCoordinates::new(seeds::generator(11, Purpose::Pixels, batch));
-    for _ in 0..samples {
-        let film = Vec2::from(point.read::<2>(Stream::Camera, dimensions::FILM));
-        let heuristic = Heuristic::Power;
-        bdpt::connections(
-            scene,
-            heuristic,
-            film,
-            &mut point,
-            &mut workspace,
-            |t, c| {
-                made.push((t, c));
-            },
-        );
-        for (Technique { s, t }, connection) in made.drain(..) {
-            let value = f64::from(luminance(connection.value));
+    for i in 0..samples as u64 {
+        let index = batch * samples as u64 + i;
+        let mut sampler = IndependentSampler::new(11, Purpose::Pixels, index);
+        BidirectionalPathTracer.sample_paths(scene, &mut sampler, &mut workspace, |path| {
+            made.push(path);
+        });
+        for path in made.drain(..) {
+            let (s, t) = (path.technique.s(), path.technique.t());
+            let value = f64::from(luminance(path.value));
             if value == 0.0 {
                 continue;
             }
@@ -186,12 +178,12 @@ fn measure(scene: &Scene, batch: u64, samples: usize) -> (Batch, Behind<u32>) {
             let key = Key {
                 class,
                 technique: (s, t),
-                half: usize::from(connection.film.unwrap_or(film).x >= 0.5),
+                half: usize::from(path.film.x >= 0.5),
             };
             let (paths, alone, weighted) = sums.entry(key).or_default();
             *paths += 1;
             *alone += value;
-            *weighted += value * f64::from(connection.weight);
+            *weighted += value * f64::from(path.weight);
             behind.note(class, &surfaces);
         }
     }

@@ -1,5 +1,5 @@
-//! Diffuse plates that face each other and nowhere touch: no two points of a path are close, so every
-//! technique alone has finite variance. On demand with a pane of glass over one side of the floor and a
+//! Diffuse plates that face each other without touching: no two vertices of a path are close, so every
+//! technique alone has finite variance. Optionally with a pane of glass over one side of the floor and a
 //! mirror, so that paths of all classes exist.
 
 use glam::{DMat4, DVec3};
@@ -10,17 +10,17 @@ use metrolight::scene::{
 };
 
 use super::classes::{Emitter, Lens};
-use crate::common::words::{Words, floor, grey, look_at, parallelogram, sphere};
+use crate::common::scenes::{SceneBuilder, floor, grey, look_at, parallelogram, sphere};
 
 const DIFFUSE: u32 = 0;
 const GLASS: u32 = 1;
 const MIRROR: u32 = 2;
 
-/// Where the sphere light or the point light is.
+/// Position of the sphere light or the point light.
 const LAMP: DVec3 = DVec3::new(0.3, 1.1, 0.0);
 
 pub fn plates(emitter: Emitter, lens: Lens, glass_and_mirror: bool, depth: u32) -> Scene {
-    let mut words = Words {
+    let mut builder = SceneBuilder {
         materials: vec![
             Material::Diffuse { reflectance: 0 },
             Material::Dielectric {
@@ -47,27 +47,27 @@ pub fn plates(emitter: Emitter, lens: Lens, glass_and_mirror: bool, depth: u32) 
             focus_distance: 4.0,
         }),
         film: [16, 12],
-        ..Words::default()
+        ..SceneBuilder::default()
     };
     if glass_and_mirror {
-        words.shapes.extend([pane(), mirror()]);
+        builder.shapes.extend([pane(), mirror()]);
     }
     match emitter {
-        Emitter::Area => words.shapes.push(ShapeDescription {
+        Emitter::Area => builder.shapes.push(ShapeDescription {
             name: "lamp".into(),
             emission: Some(Rgb::new(3.0, 4.0, 5.0)),
             ..sphere(LAMP, 0.35)
         }),
-        Emitter::Point => words.emitters.push(EmitterDescription::Point {
+        Emitter::Point => builder.emitters.push(EmitterDescription::Point {
             position: LAMP,
             intensity: Rgb::new(3.0, 4.0, 5.0),
         }),
-        Emitter::Directional => words.emitters.push(EmitterDescription::Directional {
+        Emitter::Directional => builder.emitters.push(EmitterDescription::Directional {
             direction: DVec3::new(-1.0, -1.0, -0.3),
             irradiance: Rgb::new(3.0, 4.0, 5.0),
         }),
     }
-    words.build()
+    builder.build()
 }
 
 fn diffuse_plates() -> Vec<ShapeDescription> {
@@ -88,7 +88,7 @@ fn diffuse_plates() -> Vec<ShapeDescription> {
     ]
 }
 
-/// Over the right side of the floor.
+/// A pane over the right side of the floor.
 fn pane() -> ShapeDescription {
     ShapeDescription {
         name: "pane".into(),
@@ -100,7 +100,7 @@ fn pane() -> ShapeDescription {
     }
 }
 
-/// At the back on the left, turned down to the floor.
+/// A mirror at the back on the left, inclined toward the floor.
 fn mirror() -> ShapeDescription {
     let normal = DVec3::new(1.0, -0.5, 1.0).normalize();
     let across = DVec3::Y.cross(normal).normalize();
