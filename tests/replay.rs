@@ -101,12 +101,12 @@ fn a_replayed_pixel_is_the_pixel() {
         .expect("threads")
         .image;
     for pixel in [0, 1, 255, 256, 700, 1199] {
-        let origin = SampleId::Pixel { pass: 0, pixel };
-        let replay = Replay::run(&scene, &settings, origin).expect("a pixel of the image");
+        let sample = SampleId::Pixel { pass: 0, pixel };
+        let replay = Replay::run(&scene, &settings, sample).expect("a pixel of the image");
         let light: glam::Vec3A = replay
-            .connections
+            .contributions
             .iter()
-            .map(|(_, c)| c.value * c.weight)
+            .map(|path| path.splat().value)
             .sum();
         let found = glam::Vec3A::from(image.pixels[pixel as usize]);
         assert!(
@@ -119,9 +119,9 @@ fn a_replayed_pixel_is_the_pixel() {
 #[test]
 fn samples_that_no_render_takes_are_rejected() {
     let scene = common::load("scenes/cornell/scene.xml", &[("resx", "4"), ("resy", "3")]);
-    let run = |integrator, origin: &str| {
-        let origin: SampleId = origin.parse().expect("an origin");
-        Replay::run(&scene, &Settings::new(integrator), origin).err()
+    let run = |method, sample: &str| {
+        let sample: SampleId = sample.parse().expect("the name of a sample");
+        Replay::run(&scene, &Settings::new(method), sample).err()
     };
     assert_eq!(
         run(Method::Path, "pass=0,pixel=12"),

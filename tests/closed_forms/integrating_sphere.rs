@@ -115,7 +115,7 @@ fn brightness_of_a_known_image() {
             mean,
             b,
         );
-        if (integrator == Method::Pssmlt) {
+        if integrator == Method::Pssmlt {
             truths.compare(0.0, "b in the statistics".into(), stated, b);
         }
     }

@@ -4,7 +4,7 @@
 
 use glam::{DMat4, DVec3};
 use metrolight::analysis::trapped_light;
-use metrolight::render::{Method, Settings, Unobserved, render};
+use metrolight::render::{Method, Unobserved, render};
 use metrolight::scene::{Scene, ThinLens, TriangleMesh};
 use metrolight::statistics::Moments;
 
@@ -12,6 +12,7 @@ use super::numbers::lamp_in_slab;
 use crate::common::renders::{mean, means, rendering, renderings, settings, with_pssmlt};
 use crate::common::scenes::{SceneBuilder, emit};
 use crate::common::truths::assert_mean;
+use crate::common::wording;
 use crate::records::{ALPHA, ROUNDING, figure, row, told};
 
 use Method::{Bdpt, Light, Path, Pssmlt};

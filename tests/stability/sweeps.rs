@@ -17,6 +17,7 @@ use super::rooms::{
 use crate::common::figures::record;
 use crate::common::renders::renderings;
 use crate::common::renders::with_pssmlt;
+use crate::common::wording;
 
 /// The parameter that shrinks.
 #[derive(Clone, Copy, Debug, Serialize)]
