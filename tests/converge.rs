@@ -198,7 +198,7 @@ fn intermediate_images_do_not_change_later_images() {
         let watcher = Watcher::default();
         let watched = render(&scene, &with_spp(3), &watcher).expect("threads");
         let looks = watcher.0.into_inner().expect("no panic");
-        let metropolis = (integrator == Method::Pssmlt);
+        let metropolis = integrator == Method::Pssmlt;
         let compared = if metropolis { &looks[3..] } else { &looks[..] };
         for (moment, image) in compared {
             let alone = alone(moment.samples / 65536);

@@ -308,6 +308,9 @@ impl Target for ObservedResidual<'_> {
         brightest.observe(&observed, out);
         if let Some(splat) = self.splats.iter().next() {
             out.add(tile(splat.position), density);
+            // Paths of technique t = 1 have no film position of their own: the place where they land.
+            let [x, y] = splat.position.map(f64::from);
+            out.features.coordinates[..2].copy_from_slice(&[x, y]);
         }
         density
     }
