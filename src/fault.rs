@@ -22,8 +22,8 @@ pub(crate) enum Fault {
     OtherLargeStepProbability,
     /// The number of techniques is left out of a multiplexed density.
     TechniqueCountLeftOut,
-    /// A multiplexed chain makes its path by the next technique of the length.
-    TechniqueOneOff,
+    /// The technique coordinate chooses techniques with few light vertices too often.
+    TechniquesSkewed,
     /// Chains clamp at twice the threshold of the independent samples.
     OtherThreshold,
     /// The residual of a clamped path is the whole path.

@@ -6,7 +6,7 @@
 //!
 //! Three tests are made of what only this method has. The clamped part and the residual of every path must
 //! sum to the path. The chains that redistribute the residuals of independent samples, as in a render, must
-//! estimate the same light as these residuals do, per tile and in all. And the independent estimate of the
+//! estimate the same light as these residuals do. And the independent estimate of the
 //! other tests is the residual found by bidirectional path tracing, not by single techniques.
 
 use rayon::prelude::*;
@@ -36,6 +36,15 @@ const RUN: u64 = 1 << 12;
 /// Largest relative error of the sum of clamped part and residual: a few roundings.
 const ROUNDING: f32 = 1e-5;
 
+/// Quadrants of the image.
+const QUADRANTS: usize = 4;
+
+/// The quadrant of a tile.
+fn quadrant(tile: usize) -> usize {
+    let half = |i: usize| usize::from(i >= TILES / 2);
+    2 * half(tile / TILES) + half(tile % TILES)
+}
+
 /// Numbers of samples that the tests of `mmlt` alone take.
 #[derive(Clone, Copy, Debug)]
 pub struct MmltSamples {
@@ -51,8 +60,8 @@ impl Default for MmltSamples {
     fn default() -> Self {
         Self {
             independent: 1 << 21,
-            renders: 16,
-            passes: 16,
+            renders: 64,
+            passes: 4,
         }
     }
 }
@@ -189,8 +198,9 @@ impl<'a> MmltChains<'a> {
         Check::new(Family::Normalisation, name, p_value)
     }
 
-    /// Null hypothesis: the chains of a render estimate the residual. Welch's test compares the tiles of
-    /// independent renders' chains with those of independent samples, where both rest on enough of them.
+    /// Null hypothesis: the chains of a render estimate the residual. Welch's test compares the quadrants of
+    /// independent renders' chains with those of independent samples, where both rest on enough samples.
+    /// Quadrants, because a render has few chains: their light in small tiles is far from normal.
     fn redistribution(&self, seed: u64) -> Option<Check> {
         let passes = self.samples.passes;
         let own = MmltSettings {
@@ -199,37 +209,40 @@ impl<'a> MmltChains<'a> {
         };
         let render = |i: u64| {
             let seed = crate::sampling::seeds::part(seed, i);
-            light_of_tiles(&mmlt::residual_image(self.scene, &own, seed, passes).pixels)
+            let image = mmlt::residual_image(self.scene, &own, seed, passes);
+            let mut quadrants = [0.0; QUADRANTS];
+            for (tile, light) in light_of_tiles(&image.pixels).into_iter().enumerate() {
+                quadrants[quadrant(tile)] += light;
+            }
+            quadrants
         };
-        let chains: Vec<Vec<f64>> = (0..self.samples.renders).map(render).collect();
+        let chains: Vec<[f64; QUADRANTS]> = (0..self.samples.renders).map(render).collect();
         // Batches of independent samples with the sum of squares of single ones.
-        type Sums = (Vec<f64>, Vec<f64>);
-        let batches: Vec<Sums> = self.residuals(seed, |(sums, squares): &mut Sums, _, splat, _| {
-            sums.resize(TILES * TILES, 0.0);
-            squares.resize(TILES * TILES, 0.0);
-            let (tile, light) = (tile(splat.position), f64::from(luminance(splat.value)));
-            sums[tile] += light;
-            squares[tile] += light * light;
+        type Sums = [[f64; QUADRANTS]; 2];
+        let batches: Vec<Sums> = self.residuals(seed, |[sums, squares]: &mut Sums, _, splat, _| {
+            let i = quadrant(tile(splat.position));
+            let light = f64::from(luminance(splat.value));
+            sums[i] += light;
+            squares[i] += light * light;
         });
-        let p_value = |tile: usize| {
-            let of = |sums: &Vec<f64>| sums.get(tile).copied().unwrap_or(0.0);
-            let sum: f64 = batches.iter().map(|(sums, _)| of(sums)).sum();
-            let square: f64 = batches.iter().map(|(_, squares)| of(squares)).sum();
+        let p_value = |i: usize| {
+            let sum: f64 = batches.iter().map(|[sums, _]| sums[i]).sum();
+            let square: f64 = batches.iter().map(|[_, squares]| squares[i]).sum();
             // Chains start at as many samples again, relative to the number of these.
             let pixels = f64::from(super::paths::PIXELS).powi(2);
             let started = self.samples.renders as f64 * passes as f64 * pixels;
             let share = (started / self.samples.independent as f64).min(1.0);
             let is_testable = share * sum * sum > MIN_EFFECTIVE * square;
             is_testable.then(|| {
-                let means = batches.iter().map(|(sums, _)| of(sums) / RUN as f64);
+                let means = batches.iter().map(|[sums, _]| sums[i] / RUN as f64);
                 let independent: Moments = means.collect();
-                let chains: Moments = chains.iter().map(|tiles| tiles[tile]).collect();
+                let chains: Moments = chains.iter().map(|quadrants| quadrants[i]).collect();
                 welch(&independent, &chains)
             })
         };
-        let p_values: Vec<f64> = (0..TILES * TILES).filter_map(p_value).collect();
+        let p_values: Vec<f64> = (0..QUADRANTS).filter_map(p_value).collect();
         let least = holm(&p_values).into_iter().fold(1.0, f64::min);
-        let name = "redistributed residual and independent samples, tile by tile";
+        let name = "redistributed residual and independent samples, by quadrants";
         (!p_values.is_empty()).then(|| Check::new(Family::Normalisation, name, least))
     }
 }

@@ -129,6 +129,11 @@ fn wald(mut s: Vec<f64>, mut a: Vec<f64>, n: f64) -> SymmetryTest {
     }
     let (statistic, freedom) = inverse_form(a, &s);
     let r = freedom as f64;
+    // Merging cells may leave few units with a change. If these all change alike, their covariance about
+    // their mean is 0 and the statistic has no distribution.
+    if n < f64::max(10.0, 5.0 * r) {
+        return SymmetryTest::NOTHING;
+    }
     let Ok(beta) = Beta::new(0.5 * r, 0.5 * (n - r)) else {
         return SymmetryTest::NOTHING;
     };
@@ -197,6 +202,8 @@ mod tests {
             stuart_maxwell(&[[(0, 1.0), (1, -1.0)]; 9]),
             SymmetryTest::NOTHING
         );
+        // Three units are left, which all change alike: the probability of that is 1/4, not 0.
+        assert_eq!(wald(vec![3.0], vec![3.0], 3.0), SymmetryTest::NOTHING);
         // Sparse pairs are pooled: 6 to 6 in one, 20 to 10 in the other.
         let pooled = bowker(&[vec![0, 4, 20], vec![2, 0, 2], vec![10, 4, 0]]);
         assert_eq!(pooled.freedom, 2);

@@ -13,10 +13,7 @@ const THRESHOLD: f32 = 0.1;
 pub fn mmlt_checks(seed: u64) -> Vec<Check> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/plates.xml");
     let loaded = crate::mitsuba::load(&path, &[]).expect("a scene of the tests");
-    let mut scene = loaded
-        .description
-        .build()
-        .expect("a scene of the tests");
+    let mut scene = loaded.description.build().expect("a scene of the tests");
     let own = MmltSettings {
         threshold: Some(THRESHOLD),
         separate_direct: false,
@@ -24,8 +21,8 @@ pub fn mmlt_checks(seed: u64) -> Vec<Check> {
     };
     let samples = MmltSamples {
         independent: 1 << 17,
-        renders: 8,
-        passes: 2,
+        renders: 32,
+        passes: 1,
     };
     let chains = MmltChains::new(&mut scene, own, seed, samples).expect("a residual");
     let found = equilibrium(&chains, &budget(seed, 1000, 15), &Unobserved);

@@ -110,9 +110,9 @@ const HUNTS: [(Fault, Hunt, &str); 19] = [
         "a MIS weight 20% off",
     ),
     (
-        Fault::TechniqueOneOff,
+        Fault::TechniquesSkewed,
         Hunt::Mmlt,
-        "mmlt: a chain starts with another technique",
+        "mmlt: techniques not chosen uniformly",
     ),
     (
         Fault::OtherThreshold,

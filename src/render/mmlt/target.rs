@@ -42,11 +42,11 @@ impl<'a> MultiplexedTarget<'a> {
     #[inline]
     pub fn technique<S: Sampler>(&self, sampler: &mut S) -> Technique {
         let count = Technique::count(self.edges);
-        let [choice] = sampler.get::<1>(dimensions::TECHNIQUE);
-        let mut i = ((choice * count as f32) as usize).min(count - 1);
-        if planted(Fault::TechniqueOneOff) {
-            i = (i + 1) % count;
+        let [mut choice] = sampler.get::<1>(dimensions::TECHNIQUE);
+        if planted(Fault::TechniquesSkewed) {
+            choice *= choice;
         }
+        let i = ((choice * count as f32) as usize).min(count - 1);
         Technique::nth(self.edges, i)
     }
 }
