@@ -32,7 +32,7 @@ pub(crate) enum Fault {
     ResampledUniformly,
     /// Long paths get more mutations than their share b_k, short ones fewer.
     LengthShares,
-    /// The weight of the chains that redistribute residuals is 20% too large.
+    /// The weight of the chains that redistribute residuals is twice too large.
     ChainWeightOff,
     /// Two neighbouring chains share their random numbers.
     SharedNumbers,

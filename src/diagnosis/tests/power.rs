@@ -137,7 +137,7 @@ const HUNTS: [(Fault, Hunt, &str); 19] = [
     (
         Fault::ChainWeightOff,
         Hunt::Mmlt,
-        "mmlt: the weight of the chains 20% off",
+        "mmlt: the weight of the chains twice too large",
     ),
 ];
 

@@ -150,7 +150,7 @@ impl<'a> Redistribution<'a> {
         }
         let mut weight = total / (starts.len() as u64 * mutations) as f64;
         if planted(Fault::ChainWeightOff) {
-            weight *= 1.2;
+            weight *= 2.0;
         }
 
         // Run them in parallel.
