@@ -4,7 +4,7 @@
 use glam::{DMat3, DMat4, DVec3};
 
 use super::camera::Camera;
-use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
+use super::geometry::{Geometry, GeometryBuilder, ShapeSurface};
 use super::light::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
 };
@@ -236,7 +236,7 @@ fn area_emitters(
     for ((shape, surface), emission) in (0..).zip(surfaces).zip(emissions) {
         let &Some(radiance) = emission else { continue };
         let name = || geometry.shape_name(shape).to_owned();
-        if let PlacedSurface::Triangles(triangles) = &surface
+        if let ShapeSurface::Triangles(triangles) = &surface
             && triangles.len() > MOST_OUTCOMES
         {
             return Err(SceneError::EmitterOfTooManyTriangles {

@@ -1,19 +1,8 @@
-//! Rays, and the points where they meet surfaces.
+//! Points where rays hit surfaces.
 
 use glam::{Vec2, Vec3A};
 
 use crate::math::Frame;
-
-/// A half-line or segment, in scene units.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    /// Start.
-    pub origin: Vec3A,
-    /// Unit length.
-    pub direction: Vec3A,
-    /// Hits at this distance and beyond do not count.
-    pub t_max: f32,
-}
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug)]

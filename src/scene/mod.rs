@@ -18,6 +18,7 @@ pub mod texture;
 #[cfg(test)]
 mod test_scenes;
 
+pub use crate::bvh::Ray;
 pub use bsdf::{BsdfSample, Distribution, Material, Scattering, TransportMode};
 pub use camera::{Camera, LensSample};
 pub use description::{
@@ -25,16 +26,15 @@ pub use description::{
     ShapeDescription, ShapeGeometry, ThinLens,
 };
 pub use geometry::{Geometry, RayCounts};
-pub use interaction::{Ray, SurfacePoint};
+pub use interaction::SurfacePoint;
 pub use light::{DirectSample, EmissionSample, EmissionToward, EmitterKind, Emitters};
 pub use mesh::TriangleMesh;
 pub use texture::{Bitmap, Interpolation, Texture, Wrap};
 
 use glam::DVec3;
 
-/// Radius of the scene's bounding sphere in scene units. Large enough that the absolute epsilon in
-/// the acceleration structure's node test (1e-4) is below the resolution of f32 positions.
-pub const SCENE_RADIUS: f32 = 1000.0;
+/// Radius of the scene's bounding sphere in scene units.
+pub const SCENE_RADIUS: f32 = crate::bvh::RADIUS;
 
 /// A scene ready to be rendered.
 pub struct Scene {

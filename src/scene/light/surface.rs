@@ -9,7 +9,7 @@ use crate::math::{Frame, Rgb};
 use crate::sampling::Distribution1D;
 use crate::sampling::warp::{square_to_cosine_hemisphere, square_to_sphere, square_to_triangle};
 use crate::scene::SurfacePoint;
-use crate::scene::geometry::{PlacedSurface, PlacedTriangle};
+use crate::scene::geometry::{ShapeSurface, SurfaceTriangle};
 use crate::scene::interaction::offset;
 
 /// Distances squared below which two points are the same: the geometry term is beyond f32.
@@ -34,7 +34,7 @@ enum Form {
 #[derive(Debug)]
 struct Mesh {
     /// In the order of their primitives.
-    triangles: Vec<PlacedTriangle>,
+    triangles: Vec<SurfaceTriangle>,
     /// Proportional to their areas, but for rounding.
     choice: Distribution1D,
     /// Per unit area, of a point on each triangle: from the probabilities as they were rounded.
@@ -55,13 +55,13 @@ const SMALLEST_SHARE: f64 = 1e-12;
 
 impl AreaEmitter {
     /// Light from a surface; `None` if it has no area.
-    pub fn new(radiance: Rgb, surface: PlacedSurface) -> Option<Self> {
+    pub fn new(radiance: Rgb, surface: ShapeSurface) -> Option<Self> {
         let (form, area) = match surface {
-            PlacedSurface::Triangles(triangles) => {
-                let area = triangles.iter().map(PlacedTriangle::area).sum();
+            ShapeSurface::Triangles(triangles) => {
+                let area = triangles.iter().map(SurfaceTriangle::area).sum();
                 (Form::Mesh(Mesh::new(triangles, area)?), area)
             }
-            PlacedSurface::Sphere {
+            ShapeSurface::Sphere {
                 center,
                 radius,
                 inward,
@@ -250,7 +250,7 @@ impl AreaEmitter {
 
 impl Mesh {
     /// Of triangles whose areas add up to `area`; `None` if that is 0.
-    fn new(triangles: Vec<PlacedTriangle>, area: f64) -> Option<Self> {
+    fn new(triangles: Vec<SurfaceTriangle>, area: f64) -> Option<Self> {
         let sampled = |own: f64| {
             if own < SMALLEST_SHARE * area {
                 0.0
@@ -259,7 +259,7 @@ impl Mesh {
             }
         };
         let choice = Distribution1D::new(triangles.iter().map(|t| sampled(t.area())))?;
-        let density = |(i, triangle): (usize, &PlacedTriangle)| {
+        let density = |(i, triangle): (usize, &SurfaceTriangle)| {
             (f64::from(choice.probability(i)) / triangle.area()) as f32
         };
         let densities = triangles.iter().enumerate().map(density).collect();
