@@ -95,7 +95,7 @@ impl WholePath<'_> {
                 return (f64::from(sample.pdf), f64::from(sample.reverse_pdf), true);
             }
         }
-        let s = material.scattering(&self.scene.textures, surface.uv, to_light, to_camera);
+        let s = material.evaluate(&self.scene.textures, surface.uv, to_light, to_camera);
         (f64::from(s.pdf_to_light), f64::from(s.pdf_to_camera), false)
     }
 

@@ -8,7 +8,7 @@ use super::scene::Builder;
 use super::texture::reflectance;
 use crate::math::Rgb;
 use crate::scene::Material;
-use crate::scene::bsdf::Distribution;
+use crate::scene::bsdf::MicrofacetDistribution;
 use crate::scene::bsdf::ior::{ior, ior_names};
 use crate::scene::bsdf::metals::{metal, metal_names};
 
@@ -156,14 +156,14 @@ fn specular(builder: &mut Builder, object: &Object) -> Result<u32, LoadError> {
     reflectance(builder, object, "specular_reflectance", 1.0)
 }
 
-fn distribution(object: &Object) -> Result<Distribution, LoadError> {
+fn distribution(object: &Object) -> Result<MicrofacetDistribution, LoadError> {
     let choices = [
-        ("beckmann", Distribution::Beckmann),
-        ("ggx", Distribution::Ggx),
+        ("beckmann", MicrofacetDistribution::Beckmann),
+        ("ggx", MicrofacetDistribution::Ggx),
     ];
     // Which normals are sampled has no influence on what is estimated.
     object.ignore(&["sample_visible"]);
-    object.choice("distribution", Distribution::Beckmann, &choices)
+    object.choice("distribution", MicrofacetDistribution::Beckmann, &choices)
 }
 
 fn roughness(object: &Object) -> Result<f32, LoadError> {

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::mis::Carried;
 use crate::fault::{Fault, planted};
 use crate::math::Rgb;
-use crate::scene::{Scattering, Scene, SurfacePoint, TransportMode};
+use crate::scene::{BsdfEvaluation, Scene, SurfacePoint, TransportMode};
 
 /// A surface vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +56,11 @@ impl Vertex {
         let cos = surface.geometric_normal.dot(direction).abs();
         match mode {
             TransportMode::Radiance => {
-                let Scattering {
+                let BsdfEvaluation {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.scattering(&scene.textures, surface.uv, next, previous);
+                } = material.evaluate(&scene.textures, surface.uv, next, previous);
                 Bounce {
                     value: f * next.z.abs(),
                     pdf_forward: pdf_to_light,
@@ -69,11 +69,11 @@ impl Vertex {
                 }
             }
             TransportMode::Importance => {
-                let Scattering {
+                let BsdfEvaluation {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.scattering(&scene.textures, surface.uv, previous, next);
+                } = material.evaluate(&scene.textures, surface.uv, previous, next);
                 Bounce {
                     value: f * (cos * self.shading_over_geometric_cos(previous.z)),
                     pdf_forward: pdf_to_camera,

@@ -19,7 +19,7 @@ pub mod texture;
 mod test_scenes;
 
 pub use crate::bvh::Ray;
-pub use bsdf::{BsdfSample, Distribution, Material, Scattering, TransportMode};
+pub use bsdf::{BsdfEvaluation, BsdfSample, Material, MicrofacetDistribution, TransportMode};
 pub use camera::{Camera, LensSample};
 pub use description::{
     CameraDescription, DepthLimits, EmitterDescription, FilmSettings, SceneDescription, SceneError,

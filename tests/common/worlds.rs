@@ -85,7 +85,7 @@ impl World {
     pub fn rough_glass(&mut self, eta: f32, alpha: f32) -> u32 {
         let white = self.grey(1.0);
         self.material(Material::RoughDielectric {
-            distribution: metrolight::scene::Distribution::Ggx,
+            distribution: metrolight::scene::MicrofacetDistribution::Ggx,
             alpha,
             eta,
             specular_reflectance: white,

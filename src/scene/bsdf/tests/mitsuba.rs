@@ -39,7 +39,7 @@
 
 use glam::Vec2;
 
-use super::super::Distribution::{Beckmann, Ggx};
+use super::super::MicrofacetDistribution::{Beckmann, Ggx};
 use super::super::{Material, TransportMode};
 use super::{
     COLOR, TINT, UV, WHITE, conductor, dielectric, rough_conductor, rough_dielectric, textures,
@@ -118,7 +118,7 @@ fn values_are_those_of_mitsuba() {
         for (j, &[camera, light]) in PAIRS.iter().enumerate() {
             let camera = unit(camera.0, camera.1, camera.2);
             let light = unit(light.0, light.1, light.2);
-            let s = material.scattering(&textures(), UV, light, camera);
+            let s = material.evaluate(&textures(), UV, light, camera);
             let f_cos = s.f * light.z.abs();
             let row = REFERENCE.iter().find(|row| (row.0, row.1) == (i, j));
             let &(_, _, f, to_light, to_camera) = row.unwrap_or(&(i, j, [0.0; 3], 0.0, 0.0));

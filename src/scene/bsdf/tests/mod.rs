@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use super::{Distribution, Material, metals};
+use super::{Material, MicrofacetDistribution, metals};
 use crate::math::Rgb;
 use crate::scene::Texture;
 
@@ -47,7 +47,7 @@ fn conductor(name: &str, specular_reflectance: u32) -> Material {
 }
 
 fn rough_conductor(
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha: f32,
     name: &str,
     specular_reflectance: u32,
@@ -71,7 +71,7 @@ fn dielectric(eta: f32, reflectance: u32, transmittance: u32) -> Material {
 }
 
 fn rough_dielectric(
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha: f32,
     eta: f32,
     reflectance: u32,
@@ -88,7 +88,7 @@ fn rough_dielectric(
 
 /// Materials with a lobe that is not a delta function.
 fn connectible() -> Vec<(&'static str, Material)> {
-    use Distribution::{Beckmann, Ggx};
+    use MicrofacetDistribution::{Beckmann, Ggx};
     let textures = textures();
     let rough_plastic = |distribution, alpha, eta, nonlinear| {
         Material::rough_plastic(distribution, alpha, eta, nonlinear, COLOR, WHITE, &textures)
@@ -143,7 +143,7 @@ fn connectible() -> Vec<(&'static str, Material)> {
 
 /// Materials of delta lobes alone.
 fn perfectly_smooth() -> Vec<(&'static str, Material)> {
-    use Distribution::Ggx;
+    use MicrofacetDistribution::Ggx;
     vec![
         ("mirror", conductor("none", WHITE)),
         ("gold", conductor("Au", TINT)),

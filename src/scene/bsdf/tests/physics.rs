@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::{BsdfSample, Distribution, Material, TransportMode};
+use super::super::{BsdfSample, Material, MicrofacetDistribution, TransportMode};
 use super::{
     COLOR, UV, WHITE, conductor, connectible, dielectric, perfectly_smooth, rough_conductor,
     rough_dielectric, textures, tilted, unit,
@@ -52,8 +52,8 @@ fn scattering_is_reciprocal() {
                 tilted(degrees, azimuth)
             };
             let (a, b) = (direction(), direction());
-            let there = material.scattering(&textures(), UV, a, b);
-            let back = material.scattering(&textures(), UV, b, a);
+            let there = material.evaluate(&textures(), UV, a, b);
+            let back = material.evaluate(&textures(), UV, b, a);
             // From a to b, radiance ends on the side of b.
             let (f, g) = (there.f / squared_index(b), back.f / squared_index(a));
             let error = (f - g).abs().max_element();
@@ -163,7 +163,7 @@ fn no_light_is_made() {
 /// the surface again.
 #[test]
 fn white_surfaces_lose_nothing() {
-    use Distribution::{Beckmann, Ggx};
+    use MicrofacetDistribution::{Beckmann, Ggx};
     for material in [conductor("none", WHITE), dielectric(1.5, WHITE, WHITE)] {
         for degrees in [0.0, 30.0, 60.0, 89.0] {
             for lobe in [0.0, 0.5, 0.999] {
@@ -215,10 +215,10 @@ fn backs_are_black() {
             });
             assert_eq!(sampled, two_sided, "{name}");
         }
-        let s = material.scattering(&textures(), UV, behind, tilted(160.0, 2.0));
+        let s = material.evaluate(&textures(), UV, behind, tilted(160.0, 2.0));
         let seen = two_sided && material.is_connectible();
         assert_eq!(s.f.max_element() > 0.0, seen, "{name}");
-        let through = material.scattering(&textures(), UV, behind, front);
+        let through = material.evaluate(&textures(), UV, behind, front);
         assert!(is_glass(&material) || through.f == Rgb::ZERO, "{name}");
     }
 }
@@ -263,7 +263,7 @@ fn awkward_direction() -> impl Strategy<Value = Vec3A> {
 }
 
 fn awkward_material() -> impl Strategy<Value = Material> {
-    use Distribution::{Beckmann, Ggx};
+    use MicrofacetDistribution::{Beckmann, Ggx};
     let distribution = prop_oneof![Just(Beckmann), Just(Ggx)];
     let alpha = prop_oneof![Just(0.0_f32), Just(1e-4), Just(0.1), Just(1.0), Just(20.0)];
     let eta = prop_oneof![
@@ -293,7 +293,7 @@ proptest! {
         u in prop_oneof![Just(0.0_f32), Just(1.0 - f32::EPSILON / 2.0), 0.0f32..1.0],
         v in prop_oneof![Just(0.0_f32), Just(1.0 - f32::EPSILON / 2.0), 0.0f32..1.0],
     ) {
-        let s = material.scattering(&textures(), UV, to, from);
+        let s = material.evaluate(&textures(), UV, to, from);
         prop_assert!(s.f.is_finite() && s.f.min_element() >= 0.0, "{s:?}");
         for pdf in [s.pdf_to_light, s.pdf_to_camera] {
             prop_assert!(pdf.is_finite() && pdf >= 0.0, "{s:?}");
@@ -314,7 +314,7 @@ proptest! {
 #[test]
 fn matched_interfaces_are_invisible() {
     for eta in [1.0, 1.000_05] {
-        let material = rough_dielectric(Distribution::Ggx, 0.5, eta, WHITE, WHITE);
+        let material = rough_dielectric(MicrofacetDistribution::Ggx, 0.5, eta, WHITE, WHITE);
         let from = tilted(50.0, 1.0);
         let s = sample(&material, from, RADIANCE, 0.5, Vec2::splat(0.2)).expect("a direction");
         assert!(s.delta && (s.direction + from).length() < 1e-3, "{s:?}");

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::{BsdfSample, Material, Scattering, TransportMode};
+use super::super::{BsdfEvaluation, BsdfSample, Material, TransportMode};
 use super::{UV, connectible, integrate, integrate_evenly, textures, tilted};
 use crate::statistics::{chi_square, holm};
 
@@ -18,12 +18,12 @@ fn scattering(
     mode: TransportMode,
     from: Vec3A,
     direction: Vec3A,
-) -> Scattering {
+) -> BsdfEvaluation {
     let (to_light, to_camera) = match mode {
         TransportMode::Radiance => (direction, from),
         TransportMode::Importance => (from, direction),
     };
-    material.scattering(&textures(), UV, to_light, to_camera)
+    material.evaluate(&textures(), UV, to_light, to_camera)
 }
 
 /// Density of sampling `direction`.

@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::super::Distribution::{Beckmann, Ggx};
+use super::super::MicrofacetDistribution::{Beckmann, Ggx};
 use super::super::fresnel::{self, internal_diffuse_reflectance};
 use super::super::microfacet::{Microfacets, erf_inv};
 use super::super::{ior, metals};
