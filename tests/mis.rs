@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3A};
 use metrolight::integrators::{Technique, Workspace, bdpt};
 use metrolight::path::{Escape, Heuristic, Vertex, dimensions};
 use metrolight::sampling::{Coordinates, Stream};
-use metrolight::scene::{EmissionToward, Scene, SurfacePoint, TransportMode};
+use metrolight::scene::{LightEvaluation, Scene, SurfacePoint, TransportMode};
 use metrolight::technique::Connection;
 use proptest::prelude::*;
 use random::random_scene;
@@ -27,7 +27,7 @@ struct Emitter {
     direction: Vec3A,
     /// |cos| at x_0.
     cos: f64,
-    densities: EmissionToward,
+    densities: LightEvaluation,
     /// A camera subpath can hit it.
     can_be_hit: bool,
 }
@@ -211,7 +211,10 @@ fn met_emitter(
 ) -> Emitter {
     if t - 1 > camera.len() {
         let escape = escape.expect("technique (0, t) beyond the last vertex is an escape");
-        let densities = scene.emitters.escape(escape.direction).unwrap();
+        let densities = scene
+            .emitters
+            .evaluate_environment(escape.direction)
+            .unwrap();
         let direction = escape.direction;
         return Emitter {
             position: None,
@@ -230,7 +233,7 @@ fn met_emitter(
         position: Some(surface.position),
         direction,
         cos: f64::from(surface.geometric_normal.dot(direction).abs()),
-        densities: scene.emitters.hit(&surface, from).unwrap(),
+        densities: scene.emitters.evaluate_surface(&surface, from).unwrap(),
         can_be_hit: true,
     }
 }
@@ -242,12 +245,12 @@ fn sampled_emitter(scene: &Scene, z: &Vertex, i: usize, point: &mut HashedPoint)
         .emitters
         .sample_direct(from, choose, part, Vec2::new(u, v))
         .unwrap();
-    let distance_squared = 1.0 / f64::from(direct.spread);
-    let infinite = direct.spread == 1.0;
+    let distance_squared = 1.0 / f64::from(direct.jacobian_area);
+    let infinite = direct.jacobian_area == 1.0;
     Emitter {
         position: (!infinite).then(|| from + direct.direction * (distance_squared.sqrt() as f32)),
         direction: direct.direction,
-        cos: f64::from(direct.geometry) * distance_squared,
+        cos: f64::from(direct.jacobian_direction) * distance_squared,
         densities: direct.emission,
         can_be_hit: !direct.delta,
     }
@@ -259,7 +262,7 @@ fn emitting(scene: &Scene, first: Vec3A, point: &mut HashedPoint) -> Emitter {
         .emitters
         .sample_emission(choose, part, Vec2::new(x, y), Vec2::new(a, b))
         .unwrap();
-    let densities = EmissionToward {
+    let densities = LightEvaluation {
         radiance: sample.weight,
         pdf_direct: scene.emitters.direct_pdf(&sample, first),
         pdf_position: sample.pdf_position,

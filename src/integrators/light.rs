@@ -64,7 +64,7 @@ fn visible_emitter<C: Coordinates>(
     let emission = &direct.emission;
     // The lens measures radiance with importance p_w per steradian.
     let importance = scene.camera.direction_pdf(direct.direction);
-    let value = emission.radiance * (importance * direct.geometry / emission.pdf_direct);
+    let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
     let (near, far) = scene
         .camera
         .visible_segment(from, direct.direction, direct.target)?;

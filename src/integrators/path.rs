@@ -33,7 +33,7 @@ pub fn connections<C: Coordinates>(
     };
     let mut previous = camera.start;
     for (i, z) in (1..).zip(&camera.vertices) {
-        if let Some(emission) = scene.emitters.hit(&z.surface, previous) {
+        if let Some(emission) = scene.emitters.evaluate_surface(&z.surface, previous) {
             let weight = hit_weight(heuristic, &z.carried, f64::from(emission.pdf_direct), i);
             arrive(0, i, z.throughput * emission.radiance, weight);
         }
@@ -53,7 +53,7 @@ pub fn connections<C: Coordinates>(
     let i = camera.vertices.len() + 1;
     if i <= edges
         && let Some(escape) = &camera.escape
-        && let Some(emission) = scene.emitters.escape(escape.direction)
+        && let Some(emission) = scene.emitters.evaluate_environment(escape.direction)
     {
         let pdf_direct = f64::from(emission.pdf_direct);
         let weight = hit_weight(heuristic, &escape.carried, pdf_direct, i);

@@ -10,7 +10,7 @@
 const NUMBERS: u32 = 1 << 24;
 
 /// Most outcomes of positive weight: each owns a random number at least.
-pub const MOST_OUTCOMES: usize = NUMBERS as usize;
+pub const MAX_OUTCOMES: usize = NUMBERS as usize;
 
 /// A distribution over `0..len`, proportional to given weights; O(log n) to sample.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Distribution1D {
 
 impl Distribution1D {
     /// A distribution proportional to `weights`; `None` if there are none, if one is negative or
-    /// not finite, if all are 0, or if more than [`MOST_OUTCOMES`] are not.
+    /// not finite, if all are 0, or if more than [`MAX_OUTCOMES`] are not.
     ///
     /// Every outcome of positive weight gets one random number first: without one it would be lost
     /// without a trace, however much depends on it. The others are dealt out in proportion. So where
@@ -36,7 +36,7 @@ impl Distribution1D {
         }
         let total: f64 = weights.iter().sum();
         let possible = weights.iter().filter(|w| **w > 0.0).count();
-        if possible == 0 || possible > MOST_OUTCOMES || !total.is_finite() {
+        if possible == 0 || possible > MAX_OUTCOMES || !total.is_finite() {
             return None;
         }
         let to_share = f64::from(NUMBERS - possible as u32);

@@ -6,14 +6,14 @@ use glam::{DMat3, DMat4, DVec3};
 use super::camera::Camera;
 use super::geometry::{Geometry, GeometryBuilder, ShapeSurface};
 use super::light::{
-    AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
+    AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap, PointEmitter,
 };
 use super::{
-    EmitterDescription, FARTHEST, SCENE_RADIUS, Scene, SceneDescription, SceneError,
+    EmitterDescription, MAX_DISTANCE, SCENE_RADIUS, Scene, SceneDescription, SceneError,
     ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
-use crate::sampling::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MAX_OUTCOMES;
 
 /// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
 /// scene file.
@@ -22,8 +22,8 @@ const SIMILARITY_TOLERANCE: f64 = 1e-4;
 /// Coordinates of a scene file stay below this in size and its scene has at least that radius, in
 /// its own unit of length. Between them intensities over the square of a scene unit, from 1e-15 to
 /// 1e12 in size, are far from the ends of f32, and nothing that is computed in f64 overflows.
-const LARGEST: f64 = 1e15;
-const SMALLEST: f64 = 1e-12;
+const MAX_COORDINATE: f64 = 1e15;
+const MIN_RADIUS: f64 = 1e-12;
 
 impl SceneDescription {
     /// The scene, ready to be rendered. Materials and textures are taken as they are.
@@ -96,10 +96,10 @@ impl Units {
         if bounding_radius == 0.0 {
             return Ok(Self { center, unit: 1.0 });
         }
-        if bounding_radius < SMALLEST {
+        if bounding_radius < MIN_RADIUS {
             return Err(SceneError::TooSmall {
                 radius: bounding_radius,
-                smallest: SMALLEST,
+                smallest: MIN_RADIUS,
             });
         }
         let unit = bounding_radius / f64::from(SCENE_RADIUS);
@@ -143,13 +143,13 @@ fn for_each_extreme(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64))
 fn check_places(description: &SceneDescription) -> Result<(), SceneError> {
     let check = |name: &str, farthest: f64| {
         // Not a comparison with `>=`: NaN is too large as well.
-        if farthest < LARGEST {
+        if farthest < MAX_COORDINATE {
             return Ok(());
         }
         Err(SceneError::TooLarge {
             name: name.into(),
             coordinate: farthest,
-            largest: LARGEST,
+            largest: MAX_COORDINATE,
         })
     };
     for shape in &description.shapes {
@@ -237,11 +237,11 @@ fn area_emitters(
         let &Some(radiance) = emission else { continue };
         let name = || geometry.shape_name(shape).to_owned();
         if let ShapeSurface::Triangles(triangles) = &surface
-            && triangles.len() > MOST_OUTCOMES
+            && triangles.len() > MAX_OUTCOMES
         {
             return Err(SceneError::EmitterOfTooManyTriangles {
                 name: name(),
-                most: MOST_OUTCOMES,
+                most: MAX_OUTCOMES,
             });
         }
         let light = AreaEmitter::new(radiance, surface)
@@ -278,14 +278,14 @@ fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
             let position = units.point(position).as_vec3a();
             // Irradiance I/d^2 must not change with the unit of d.
             let intensity = (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a();
-            if !(position.length() < FARTHEST && intensity.is_finite()) {
+            if !(position.length() < MAX_DISTANCE && intensity.is_finite()) {
                 let name = "point emitter".into();
                 return Err(SceneError::OutOfRange { name });
             }
-            Emitter::Point {
+            Emitter::Point(PointEmitter {
                 position,
                 intensity,
-            }
+            })
         }
         EmitterDescription::Directional {
             direction,

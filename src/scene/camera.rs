@@ -11,7 +11,7 @@
 use glam::{DMat4, DVec3, Vec2, Vec3A};
 
 use super::description::{CameraDescription, SceneError};
-use super::{FARTHEST, Ray};
+use super::{MAX_DISTANCE, Ray};
 use crate::sampling::warp::square_to_disk;
 
 /// A camera in scene units.
@@ -73,7 +73,7 @@ impl Camera {
         let position = ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a();
         let lens_radius = description.lens.map_or(0.0, |l| l.aperture_radius / unit) as f32;
         let focus = description.lens.map_or(1.0, |l| l.focus_distance / unit) as f32;
-        if !(position.length() < FARTHEST && lens_radius < FARTHEST && focus < FARTHEST) {
+        if !(position.length() < MAX_DISTANCE && lens_radius < MAX_DISTANCE && focus < MAX_DISTANCE) {
             let name = "sensor".into();
             return Err(SceneError::OutOfRange { name });
         }

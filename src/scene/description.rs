@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 use super::{Material, Texture, TriangleMesh};
 use crate::film::Filter;
 use crate::math::Rgb;
-use crate::sampling::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MAX_OUTCOMES;
 
 /// Everything that a scene file says.
 #[derive(Debug)]
@@ -169,7 +169,7 @@ pub enum SceneError {
     #[error(
         "the image of an envmap emitter must have at least 2 columns and 2 rows of pixels, and no \
          more than {most} of either",
-        most = MOST_OUTCOMES
+        most = MAX_OUTCOMES
     )]
     EnvironmentSize,
     /// A surface that emits but has no area.

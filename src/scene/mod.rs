@@ -27,7 +27,7 @@ pub use description::{
 };
 pub use geometry::{Geometry, RayCounts};
 pub use interaction::SurfacePoint;
-pub use light::{DirectSample, EmissionSample, EmissionToward, EmitterKind, Emitters};
+pub use light::{EmissionSample, EmitterKind, Emitters, LightEvaluation, LightSample};
 pub use mesh::TriangleMesh;
 pub use texture::{Bitmap, Interpolation, Texture, Wrap};
 
@@ -60,7 +60,7 @@ pub struct Scene {
 
 /// Least distance from the origin, in scene units, that is too large: its square would be near the end
 /// of the range of f32.
-const FARTHEST: f32 = 1e18;
+const MAX_DISTANCE: f32 = 1e18;
 
 impl Scene {
     /// A point in scene units, in the units of the scene file.

@@ -10,7 +10,7 @@ use crate::path::Heuristic;
 use crate::path::dimensions;
 use crate::path::{Bounce, Vertex};
 use crate::sampling::{Coordinates, Stream};
-use crate::scene::{DirectSample, EmissionToward, RayCounts, Scene, TransportMode, interaction};
+use crate::scene::{LightEvaluation, LightSample, RayCounts, Scene, TransportMode, interaction};
 
 /// A path made by one technique.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ pub fn emitted(
     i: usize,
     previous: Vec3A,
 ) -> Option<Connection> {
-    let emission = scene.emitters.hit(&vertex.surface, previous)?;
+    let emission = scene.emitters.evaluate_surface(&vertex.surface, previous)?;
     Some(met(
         heuristic,
         &emission,
@@ -71,7 +71,7 @@ pub fn escaped(
     escape: &Escape,
     i: usize,
 ) -> Option<Connection> {
-    let emission = scene.emitters.escape(escape.direction)?;
+    let emission = scene.emitters.evaluate_environment(escape.direction)?;
     Some(met(
         heuristic,
         &emission,
@@ -83,7 +83,7 @@ pub fn escaped(
 
 fn met(
     heuristic: Heuristic,
-    emission: &EmissionToward,
+    emission: &LightEvaluation,
     throughput: Rgb,
     carried: &crate::path::Carried,
     i: usize,
@@ -111,7 +111,7 @@ pub struct SampledLight {
     /// Path contribution over density.
     pub value: Rgb,
     /// The point.
-    pub direct: DirectSample,
+    pub direct: LightSample,
     /// The camera vertex, scattering toward it.
     pub bounce: Bounce,
 }
@@ -120,7 +120,7 @@ impl SampledLight {
     /// How much denser the camera subpath would have sampled the point than it was.
     #[inline]
     pub fn hit_ratio(&self) -> f64 {
-        f64::from(self.bounce.pdf_forward) * f64::from(self.direct.geometry)
+        f64::from(self.bounce.pdf_forward) * f64::from(self.direct.jacobian_direction)
             / f64::from(self.direct.emission.pdf_direct)
     }
 }
@@ -147,7 +147,7 @@ pub fn sample_light<C: Coordinates>(
     let value = vertex.throughput
         * bounce.value
         * emission.radiance
-        * (direct.geometry / emission.pdf_direct);
+        * (direct.jacobian_direction / emission.pdf_direct);
     if value == Rgb::ZERO {
         return None;
     }
@@ -184,7 +184,7 @@ pub fn to_light<C: Coordinates>(
     };
     let from_light = f64::from(emission.pdf_position)
         * f64::from(emission.pdf_direction)
-        * f64::from(direct.spread)
+        * f64::from(direct.jacobian_area)
         * f64::from(bounce.cos)
         / f64::from(emission.pdf_direct);
     let camera = vertex

@@ -41,7 +41,7 @@ fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
 fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     let mut density = scene
         .emitters
-        .escape(direction)
+        .evaluate_environment(direction)
         .map_or(0.0, |light| f64::from(light.pdf_direct));
     let mut origin = point;
     while let Some(hit) = scene.geometry.intersect(
@@ -52,7 +52,7 @@ fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
         },
         &mut RayCounts::default(),
     ) {
-        if let Some(light) = scene.emitters.hit(&hit, point) {
+        if let Some(light) = scene.emitters.evaluate_surface(&hit, point) {
             let cos = -hit.geometric_normal.dot(direction);
             let factor = (hit.position - point).length_squared() / cos;
             density += f64::from(light.pdf_direct * factor);
@@ -125,7 +125,7 @@ fn direct_samples_equal_hits() {
             let free = scene
                 .geometry
                 .visible(point, sample.target, &mut RayCounts::default());
-            if sample.delta || !free || sample.geometry < 1e-7 {
+            if sample.delta || !free || sample.jacobian_direction < 1e-7 {
                 continue;
             }
             let Some((met, factor)) = light_met(&scene, point, sample.direction) else {
@@ -138,7 +138,7 @@ fn direct_samples_equal_hits() {
                 ("direct", sampled.pdf_direct, met.pdf_direct, 2e-2),
                 ("position", sampled.pdf_position, met.pdf_position, 1e-3),
                 ("direction", sampled.pdf_direction, met.pdf_direction, 2e-2),
-                ("geometry", sample.geometry * factor, 1.0, 2e-2),
+                ("geometry", sample.jacobian_direction * factor, 1.0, 2e-2),
             ] {
                 assert!(
                     (a - b).abs() <= tolerance * a.abs().max(b.abs()),
@@ -207,7 +207,7 @@ fn emission_has_its_densities() {
             let probability = scene.emitters.probability(i);
             let by_escape = || {
                 integrate(12, |direction| {
-                    let light = scene.emitters.escape(direction);
+                    let light = scene.emitters.evaluate_environment(direction);
                     light.map_or(0.0, |l| f64::from(l.pdf_position / probability) * n as f64)
                 })
             };
@@ -310,7 +310,10 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
                     )
                 }
                 EmitterKind::Constant | EmitterKind::Envmap => {
-                    let light = scene.emitters.escape(-sample.direction).expect("light");
+                    let light = scene
+                        .emitters
+                        .evaluate_environment(-sample.direction)
+                        .expect("light");
                     (light.radiance, 1.0, light.pdf_direct)
                 }
                 EmitterKind::Point => (
@@ -360,7 +363,10 @@ fn a_directional_light_fills_its_disk_and_falls_one_way() {
         assert!((direct.direction + direction).length() < 1e-6);
         assert!(direct.target.length() > SCENE_RADIUS);
         assert_eq!(direct.emission.radiance, Rgb::new(3.0, 1.0, 2.0));
-        assert_eq!((direct.geometry, direct.spread), (1.0, 1.0));
-        assert!(scene.emitters.escape(-direction).is_none());
+        assert_eq!(
+            (direct.jacobian_direction, direct.jacobian_area),
+            (1.0, 1.0)
+        );
+        assert!(scene.emitters.evaluate_environment(-direction).is_none());
     }
 }

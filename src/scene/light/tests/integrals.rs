@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::scene::DirectSample;
+use crate::scene::LightSample;
 use crate::statistics::Moments;
 
 fn check(name: &str, estimate: &Moments, expected: f64) {
@@ -22,10 +22,10 @@ fn check(name: &str, estimate: &Moments, expected: f64) {
 fn irradiance(scene: &Scene, world: DVec3, normal: Vec3A, samples: u32) -> Moments {
     let point = to_scene(scene, world);
     let mut numbers = Numbers::new(41);
-    let estimate = |sample: DirectSample| {
+    let estimate = |sample: LightSample| {
         let cos = sample.direction.dot(normal).max(0.0);
         let emission = sample.emission;
-        f64::from(emission.radiance.y * sample.geometry * cos / emission.pdf_direct)
+        f64::from(emission.radiance.y * sample.jacobian_direction * cos / emission.pdf_direct)
     };
     (0..samples)
         .map(|_| {
@@ -127,7 +127,7 @@ fn irradiance_from_an_environment() {
             let phi = 2.0 * PI * (f64::from(j) + 0.5) / f64::from(columns);
             let r = (1.0 - z * z).sqrt();
             let direction = DVec3::new(r * phi.cos(), r * phi.sin(), z).as_vec3a();
-            let light = image.emitters.escape(direction).expect("sky");
+            let light = image.emitters.evaluate_environment(direction).expect("sky");
             expected += f64::from(light.radiance.y) * z;
         }
     }

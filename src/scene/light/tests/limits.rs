@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::scene::test_scenes::description;
-use crate::scene::{DirectSample, EmissionSample, SceneError};
+use crate::scene::{EmissionSample, LightSample, SceneError};
 
-fn is_finite(emission: &EmissionToward) -> bool {
+fn is_finite(emission: &LightEvaluation) -> bool {
     emission.radiance.is_finite()
         && [
             emission.pdf_direct,
@@ -15,7 +15,7 @@ fn is_finite(emission: &EmissionToward) -> bool {
         .all(|pdf| pdf.is_finite() && *pdf >= 0.0)
 }
 
-fn check_direct(sample: &DirectSample) {
+fn check_direct(sample: &LightSample) {
     assert!(is_finite(&sample.emission), "{sample:?}");
     assert!(sample.emission.pdf_direct > 0.0, "{sample:?}");
     assert!(
@@ -23,11 +23,11 @@ fn check_direct(sample: &DirectSample) {
         "{sample:?}"
     );
     assert!(
-        sample.geometry.is_finite() && sample.geometry > 0.0,
+        sample.jacobian_direction.is_finite() && sample.jacobian_direction > 0.0,
         "{sample:?}"
     );
     assert!(
-        sample.spread.is_finite() && sample.spread > 0.0,
+        sample.jacobian_area.is_finite() && sample.jacobian_area > 0.0,
         "{sample:?}"
     );
 }
@@ -127,7 +127,7 @@ fn degenerate_requests_have_finite_answers() {
                 assert!(is_finite(&light), "{name}: {light:?}");
             }
             for pole in [Vec3A::Y, Vec3A::NEG_Y, Vec3A::NEG_Z] {
-                if let Some(light) = scene.emitters.escape(pole) {
+                if let Some(light) = scene.emitters.evaluate_environment(pole) {
                     assert!(is_finite(&light), "{name}: {light:?}");
                 }
             }
@@ -183,7 +183,10 @@ fn environment_densities_are_positive_where_it_shines_and_sum_to_one() {
         let mut sum = 0.0;
         let mut dark = 0;
         for _ in 0..n {
-            let light = scene.emitters.escape(numbers.direction()).expect("sky");
+            let light = scene
+                .emitters
+                .evaluate_environment(numbers.direction())
+                .expect("sky");
             assert!(light.pdf_direct > 0.0 || light.radiance == Rgb::ZERO);
             dark += usize::from(light.radiance == Rgb::ZERO);
             sum += f64::from(light.pdf_direct);

@@ -12,7 +12,7 @@ use glam::{DMat4, DVec3, Vec3A};
 use crate::math::Rgb;
 use crate::scene::test_scenes::{Numbers, emitting, mesh, scene, shape, sphere};
 use crate::scene::{
-    EmissionToward, EmitterDescription, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription,
+    EmitterDescription, LightEvaluation, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription,
     ShapeGeometry, TriangleMesh,
 };
 
@@ -125,8 +125,8 @@ fn to_scene(scene: &Scene, world: DVec3) -> Vec3A {
 }
 
 /// What a camera subpath from `point` meets: the light and the factor from its native density to
-/// solid angle at `point` (the inverse of [`super::DirectSample::geometry`]).
-fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionToward, f32)> {
+/// solid angle at `point` (the inverse of [`super::LightSample::jacobian_direction`]).
+fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(LightEvaluation, f32)> {
     let ray = Ray {
         origin: point,
         direction,
@@ -134,11 +134,11 @@ fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionT
     };
     match scene.geometry.intersect(&ray, &mut RayCounts::default()) {
         Some(hit) => {
-            let emission = scene.emitters.hit(&hit, point)?;
+            let emission = scene.emitters.evaluate_surface(&hit, point)?;
             let to = hit.position - point;
             let cos = -hit.geometric_normal.dot(direction);
             Some((emission, to.length_squared() / cos))
         }
-        None => Some((scene.emitters.escape(direction)?, 1.0)),
+        None => Some((scene.emitters.evaluate_environment(direction)?, 1.0)),
     }
 }
