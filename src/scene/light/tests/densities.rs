@@ -1,4 +1,4 @@
-//! Every sampling routine against the density that it and the other routines claim.
+//! Compares every sampling routine with the density that it and the other routines return.
 
 use std::f32::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ fn cell(direction: Vec3A) -> usize {
     row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
 }
 
-/// Integral over each cell of a density per steradian, by midpoints.
+/// Integral of a density per steradian over each cell, by the midpoint rule.
 fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
     let mut cells = vec![0.0; ROWS * COLUMNS];
     let (rows, columns) = (ROWS * per_side, COLUMNS * per_side);
@@ -37,7 +37,7 @@ fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
     cells
 }
 
-/// Density per steradian of sampling `direction` for `point`, whatever is hidden by what.
+/// Density per steradian of sampling `direction` for `point`, regardless of occlusion.
 fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     let mut density = scene
         .emitters
@@ -62,13 +62,13 @@ fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     density
 }
 
-/// Null hypothesis: directions sampled for a point have the density that `hit` and `escape` tell of
-/// what a ray in that direction meets, which is another way to the same number.
+/// Null hypothesis: directions sampled for a point have the density that `evaluate_surface` and
+/// `evaluate_environment` return for the hit of a ray in that direction, which is computed independently.
 #[test]
-fn direct_sampling_has_the_density_that_hits_tell() {
+fn direct_sampling_has_the_density_of_hits() {
     for (name, scene, world) in extended_lights() {
         let point = to_scene(&scene, world);
-        // Around the axis to the origin of the world, where most of the lights are.
+        // The axis points to the origin of the world, near which most of the lights are.
         let frame = Frame::from_normal((to_scene(&scene, DVec3::ZERO) - point).normalize());
         let samples = 100_000;
         let expected: Vec<f64> = integrate(24, |local| {
@@ -88,7 +88,7 @@ fn direct_sampling_has_the_density_that_hits_tell() {
                 observed[cell(frame.to_local(sample.direction))] += 1;
             }
         }
-        // Cells where a silhouette leaves next to nothing are beyond the midpoint rule.
+        // The midpoint rule is inaccurate in cells that a silhouette leaves almost empty.
         let total: u64 = observed.iter().sum();
         let rest = f64::from(samples) - expected.iter().sum::<f64>();
         let (mut observed, mut expected): (Vec<u64>, Vec<f64>) = observed
@@ -107,7 +107,7 @@ fn direct_sampling_has_the_density_that_hits_tell() {
     }
 }
 
-/// What `sample_direct` says of its sample is what `hit` and `escape` say of the same direction.
+/// Radiance and densities of a direct sample are those of the hit of a ray in the same direction.
 #[test]
 fn direct_samples_equal_hits() {
     for (name, scene, world) in extended_lights() {
@@ -128,17 +128,17 @@ fn direct_samples_equal_hits() {
             if sample.delta || !free || sample.jacobian_direction < 1e-7 {
                 continue;
             }
-            let Some((met, factor)) = light_met(&scene, point, sample.direction) else {
-                panic!("{name}: {sample:?} is not met");
+            let Some((hit, factor)) = light_hit(&scene, point, sample.direction) else {
+                panic!("{name}: {sample:?} is not hit");
             };
             compared += 1;
             let sampled = sample.emission;
             for (what, a, b, tolerance) in [
-                ("radiance", sampled.radiance.y, met.radiance.y, 1e-2),
-                ("direct", sampled.pdf_direct, met.pdf_direct, 2e-2),
-                ("position", sampled.pdf_position, met.pdf_position, 1e-3),
-                ("direction", sampled.pdf_direction, met.pdf_direction, 2e-2),
-                ("geometry", sample.jacobian_direction * factor, 1.0, 2e-2),
+                ("radiance", sampled.radiance.y, hit.radiance.y, 1e-2),
+                ("direct", sampled.pdf_direct, hit.pdf_direct, 2e-2),
+                ("position", sampled.pdf_position, hit.pdf_position, 1e-3),
+                ("direction", sampled.pdf_direction, hit.pdf_direction, 2e-2),
+                ("jacobian", sample.jacobian_direction * factor, 1.0, 2e-2),
             ] {
                 assert!(
                     (a - b).abs() <= tolerance * a.abs().max(b.abs()),
@@ -150,8 +150,9 @@ fn direct_samples_equal_hits() {
     }
 }
 
-/// Null hypotheses: y_0 is uniform on surfaces and distributed by `escape` at infinity; directions
-/// from surfaces go with the cosine, from points evenly; starts from infinity fill the disk evenly.
+/// Null hypotheses: y_0 is uniform on surfaces and has the density of `evaluate_environment` at infinity;
+/// directions are cosine-weighted on surfaces and uniform from points; origins of light from infinity are
+/// uniform on the disk.
 #[test]
 fn emission_has_its_densities() {
     let mut scenes = extended_lights();
@@ -162,8 +163,8 @@ fn emission_has_its_densities() {
         let mut numbers = Numbers::new(3);
         let mut chosen = vec![0; scene.emitters.len()];
         // cos^2 and azimuth around the normal; or radius^2 and azimuth in the disk; or direction.
-        let mut ways = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
-        let mut places = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
+        let mut directions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
+        let mut positions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
         for _ in 0..samples {
             let Some(sample) = scene.emitters.sample_emission(
                 numbers.unit(),
@@ -179,19 +180,19 @@ fn emission_has_its_densities() {
             match scene.emitters.kind(sample.emitter) {
                 EmitterKind::Area => {
                     let local = frame.to_local(sample.direction);
-                    ways[i][cell(local.with_z(2.0 * local.z * local.z - 1.0))] += 1;
+                    directions[i][cell(local.with_z(2.0 * local.z * local.z - 1.0))] += 1;
                 }
-                EmitterKind::Point => ways[i][cell(sample.direction)] += 1,
+                EmitterKind::Point => directions[i][cell(sample.direction)] += 1,
                 EmitterKind::Directional => {}
                 EmitterKind::Constant | EmitterKind::Envmap => {
-                    ways[i][cell(-sample.direction)] += 1;
+                    directions[i][cell(-sample.direction)] += 1;
                 }
             }
             if sample.infinite {
                 let local = frame.to_local(sample.origin);
                 let r2 =
                     Vec2::new(local.x, local.y).length_squared() / (SCENE_RADIUS * SCENE_RADIUS);
-                places[i][cell(local.with_z((2.0 * r2 - 1.0).min(1.0)))] += 1;
+                positions[i][cell(local.with_z((2.0 * r2 - 1.0).min(1.0)))] += 1;
             }
         }
         let emitters = 0..scene.emitters.len() as u32;
@@ -201,24 +202,27 @@ fn emission_has_its_densities() {
             .collect();
         let p = chi_square(&chosen, &choice);
         assert!(p > 1e-4, "{name}, choice: p = {p}");
-        let even = |n: u64| vec![n as f64 / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
+        let uniform = |n: u64| vec![n as f64 / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
         for i in emitters {
             let (n, at) = (chosen[i as usize], i as usize);
             let probability = scene.emitters.probability(i);
-            let by_escape = || {
+            let by_environment = || {
                 integrate(12, |direction| {
                     let light = scene.emitters.evaluate_environment(direction);
                     light.map_or(0.0, |l| f64::from(l.pdf_position / probability) * n as f64)
                 })
             };
-            let (way, place) = match scene.emitters.kind(i) {
-                EmitterKind::Area | EmitterKind::Point => (Some(even(n)), None),
-                EmitterKind::Directional => (None, Some(even(n))),
-                EmitterKind::Constant | EmitterKind::Envmap => (Some(by_escape()), Some(even(n))),
+            let (direction, position) = match scene.emitters.kind(i) {
+                EmitterKind::Area | EmitterKind::Point => (Some(uniform(n)), None),
+                EmitterKind::Directional => (None, Some(uniform(n))),
+                EmitterKind::Constant | EmitterKind::Envmap => {
+                    (Some(by_environment()), Some(uniform(n)))
+                }
             };
-            for (what, observed, expected) in
-                [("way", &ways[at], way), ("place", &places[at], place)]
-            {
+            for (what, observed, expected) in [
+                ("direction", &directions[at], direction),
+                ("position", &positions[at], position),
+            ] {
                 if let Some(expected) = expected {
                     let p = chi_square(observed, &expected);
                     assert!(p > 1e-4, "{name}, {what} of emitter {i}: p = {p}");
@@ -228,10 +232,10 @@ fn emission_has_its_densities() {
     }
 }
 
-/// Null hypothesis: points on the box are uniform by area: on each face in proportion to it, and in
-/// each of its quarters alike. On the sphere they are uniform in direction from its centre.
+/// Null hypothesis: points are uniform by area. On the box, the probability of a face is proportional to
+/// its area and the same for its four quarters; on the sphere, directions from the centre are uniform.
 #[test]
-fn emission_starts_uniformly_on_surfaces() {
+fn emission_is_uniform_on_surfaces() {
     let scene = scene(vec![box_light(), floor()], vec![]);
     let mut numbers = Numbers::new(4);
     let samples = 50_000_u32;
@@ -282,10 +286,10 @@ fn emission_starts_uniformly_on_surfaces() {
     assert!(p > 1e-4, "sphere: p = {p}");
 }
 
-/// alpha = Le |cos| / (pdf_position pdf_direction), and `direct_pdf` at the point where the light
-/// arrives is what a hit from there says.
+/// alpha = Le |cos| / (pdf_position pdf_direction), and `direct_pdf` at the point where the light arrives
+/// equals the density of a hit from that point.
 #[test]
-fn emission_weights_and_direct_densities_follow_from_the_others() {
+fn emission_weights_and_direct_densities_are_consistent() {
     for (name, scene, _) in extended_lights() {
         let mut numbers = Numbers::new(5);
         for _ in 0..5_000 {
@@ -301,7 +305,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
             let pdf = sample.pdf_position * sample.pdf_direction;
             let (le, cos, expected_direct) = match scene.emitters.kind(sample.emitter) {
                 EmitterKind::Area => {
-                    let toward = light_met(&scene, point, -sample.direction);
+                    let toward = light_hit(&scene, point, -sample.direction);
                     let Some((light, _)) = toward else { continue };
                     (
                         light.radiance,
@@ -330,7 +334,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
                 sample.weight
             );
             let direct = scene.emitters.direct_pdf(&sample, point);
-            // The hit is found anew: for a sphere its density depends on the place in f32.
+            // The hit is computed again: on a sphere the density depends on its rounding to f32.
             assert!(
                 (direct - expected_direct).abs() <= 5e-2 * expected_direct,
                 "{name}: {direct} {expected_direct}, {sample:?}"
@@ -340,7 +344,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
 }
 
 #[test]
-fn a_directional_light_fills_its_disk_and_falls_one_way() {
+fn a_directional_light_covers_its_disk_in_one_direction() {
     let scene = scene(vec![floor()], vec![directional_light()]);
     let direction = Vec3A::new(0.3, 0.1, -2.0).normalize();
     let mut numbers = Numbers::new(6);

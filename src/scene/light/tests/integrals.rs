@@ -1,5 +1,5 @@
-//! Estimates against closed forms. Each is tested at 4.5 standard errors of its mean: a false alarm
-//! in 1.5e5 seeds.
+//! Compares estimates with closed forms, within 4.5 standard errors of the mean: one false alarm in 1.5e5
+//! seeds.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ fn check(name: &str, estimate: &Moments, expected: f64) {
     );
 }
 
-/// Irradiance (green) at a point of the world with a normal, by direct sampling.
+/// Irradiance (green) at a point in world coordinates with the normal `normal`, by direct sampling.
 fn irradiance(scene: &Scene, world: DVec3, normal: Vec3A, samples: u32) -> Moments {
     let point = to_scene(scene, world);
     let mut numbers = Numbers::new(41);
@@ -38,7 +38,7 @@ fn irradiance(scene: &Scene, world: DVec3, normal: Vec3A, samples: u32) -> Momen
         .collect()
 }
 
-/// E = pi L (r/d)^2 cos for a sphere above the horizon, near and far, large and small.
+/// E = pi L (r/d)^2 cos for a sphere above the horizon, at several sizes and distances.
 #[test]
 fn irradiance_from_a_sphere() {
     for (radius, distance, tilt) in [
@@ -61,8 +61,8 @@ fn irradiance_from_a_sphere() {
     }
 }
 
-/// A square of side 2a at distance d, centred over a parallel receiver: four times the corner form
-/// factor with X = Y = a/d (Howell, "A catalog of radiation heat transfer configuration factors", B-3).
+/// Form factor of a square of side 2a at distance d, centred over a parallel receiver: four times the
+/// corner form factor with X = Y = a/d (Howell, "A catalog of radiation heat transfer configuration factors", B-3).
 fn square_factor(a: f64, d: f64) -> f64 {
     let x = a / d;
     let root = (1.0 + x * x).sqrt();
@@ -85,10 +85,10 @@ fn irradiance_from_a_rectangle() {
     }
 }
 
-/// The same in a world of other units, or elsewhere: irradiance from a point light is I/d^2 in the
-/// world's.
+/// Irradiance from a point light is I/d^2 in the units of the world, whatever these are and wherever the
+/// origin is.
 #[test]
-fn irradiance_does_not_depend_on_the_unit_or_place_of_the_world() {
+fn irradiance_does_not_depend_on_the_units_or_origin_of_the_world() {
     for (scale, offset) in [(1e-3, 0.0), (1.0, 0.0), (1e3, 0.0), (1e-3, 1e4)] {
         let offset = DVec3::new(0.0, 0.0, offset + scale / 7.0);
         let change = DMat4::from_translation(offset) * DMat4::from_scale(DVec3::splat(scale));
@@ -110,12 +110,13 @@ fn irradiance_does_not_depend_on_the_unit_or_place_of_the_world() {
     }
 }
 
-/// Irradiance from skies: pi L under an even one; under an image, the integral by midpoints.
+/// Irradiance from environments: pi L from a constant one; from an image, the integral by the midpoint
+/// rule.
 #[test]
 fn irradiance_from_an_environment() {
     let constant = EmitterDescription::Constant { radiance: RADIANCE };
-    let even = scene(vec![floor()], vec![constant]);
-    let estimate = irradiance(&even, DVec3::ZERO, Vec3A::Z, 100_000);
+    let uniform = scene(vec![floor()], vec![constant]);
+    let estimate = irradiance(&uniform, DVec3::ZERO, Vec3A::Z, 100_000);
     check("constant", &estimate, PI * f64::from(RADIANCE.y));
 
     let image = scene(vec![floor()], vec![sky()]);
@@ -139,9 +140,9 @@ fn irradiance_from_an_environment() {
     );
 }
 
-/// Mean throughput of light subpaths: the flux of all emitters in scene units.
+/// The mean throughput of light subpaths is the flux of all emitters, in scene units.
 #[test]
-fn emission_carries_the_total_flux() {
+fn mean_throughput_is_the_total_flux() {
     let disk = PI * f64::from(SCENE_RADIUS).powi(2);
     type Flux<'a> = &'a dyn Fn(&Scene) -> f64;
     let green = f64::from(RADIANCE.y);
@@ -200,10 +201,10 @@ fn emission_carries_the_total_flux() {
     }
 }
 
-/// The flux from a sphere onto a coaxial disk by light subpaths: F = (1 - 1/sqrt(1 + (R/h)^2))/2 for a
+/// The flux from a sphere onto a coaxial disk, by light subpaths, has the form factor F = (1 - 1/sqrt(1 + (R/h)^2))/2 for a
 /// disk of radius R at distance h from the centre (Howell, C-124).
 #[test]
-fn emission_brings_a_sphere_lights_flux_onto_a_disk() {
+fn flux_from_a_sphere_onto_a_disk() {
     let lamp = emitting(sphere(DVec3::ZERO, 0.5), RADIANCE);
     let scene = scene(vec![lamp, floor()], vec![]);
     let (disk_radius, height) = (2.0, 1.5);

@@ -1,5 +1,5 @@
-//! Tests of emitters. Statistical ones use fixed seeds; each p-value is tested at 1e-4, which is then
-//! the rate of false alarms over seeds.
+//! Tests of emitters. Statistical tests use fixed seeds and reject at p < 1e-4, which is the rate of false
+//! alarms over the choice of seeds.
 
 mod densities;
 mod integrals;
@@ -18,7 +18,7 @@ use crate::scene::{
 
 const RADIANCE: Rgb = Rgb::new(2.0, 3.0, 0.5);
 
-/// Something with extent that does not emit, far below, so that a lamp is not all of the scene.
+/// A surface that does not emit, far below, so that the scene is larger than its emitters.
 fn floor() -> ShapeDescription {
     let down = DMat4::from_translation(DVec3::new(0.0, 0.0, -6.0));
     mesh(TriangleMesh::rectangle(), down)
@@ -39,7 +39,7 @@ fn sphere_light(flip_normals: bool) -> ShapeDescription {
     emitting(ball, RADIANCE)
 }
 
-/// A sky of few pixels: some black, one very bright.
+/// An environment map of few pixels, some of them black and one very bright.
 fn sky() -> EmitterDescription {
     let mut numbers = Numbers::new(77);
     let mut pixels: Vec<[f32; 3]> = (0..7 * 6)
@@ -57,7 +57,7 @@ fn sky() -> EmitterDescription {
     }
 }
 
-/// Scenes whose light does not all come from deltas, each with a point (in the world) to be lit.
+/// Scenes with area or environment emitters, each with a point that is lit, in world coordinates.
 fn extended_lights() -> Vec<(&'static str, Scene, DVec3)> {
     let place = DVec3::new(0.3, 1.4, 1.6);
     let constant = || EmitterDescription::Constant { radiance: RADIANCE };
@@ -124,9 +124,9 @@ fn to_scene(scene: &Scene, world: DVec3) -> Vec3A {
     ((world - scene.center) / scene.unit).as_vec3a()
 }
 
-/// What a camera subpath from `point` meets: the light and the factor from its native density to
-/// solid angle at `point` (the inverse of [`super::LightSample::jacobian_direction`]).
-fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(LightEvaluation, f32)> {
+/// The light that a camera subpath from `point` along `direction` hits, and the Jacobian from its native
+/// measure to solid angle at `point` (the inverse of [`super::LightSample::jacobian_direction`]).
+fn light_hit(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(LightEvaluation, f32)> {
     let ray = Ray {
         origin: point,
         direction,
