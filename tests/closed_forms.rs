@@ -1,5 +1,4 @@
-//! Images whose mean is known in closed form, or by a quadrature that shares nothing with the
-//! renderer.
+//! Images whose mean is known in closed form, or by a quadrature that shares no code with the renderer.
 
 mod common;
 

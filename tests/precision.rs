@@ -1,8 +1,8 @@
-//! f32: neither the size of a scene nor its place shows, and no light leaks or is lost at grazing angles,
-//! where surfaces touch, or among triangles without area.
+//! Single precision: images do not depend on the size and position of a scene, and no light leaks or is lost
+//! at grazing angles, where surfaces touch, or near degenerate triangles.
 //!
-//! Statistical tests reject at ALPHA after Holm's correction: a correct program fails a comparison with
-//! that probability for a new choice of seeds.
+//! Statistical tests reject at ALPHA after Holm's correction: the probability, over the choice of seeds,
+//! that a correct program fails a comparison.
 
 mod common;
 
@@ -18,7 +18,7 @@ use Integrator::{Bdpt, Light, Path, Pssmlt};
 
 const ALPHA: f64 = 1e-4;
 
-/// Records what was found.
+/// Records a result.
 fn row(case: &str, found: impl Into<String>, demanded: impl Into<String>) {
     let (found, demanded) = (found.into(), demanded.into());
     record(
@@ -58,8 +58,8 @@ fn ball(n: u32) -> TriangleMesh {
     mesh
 }
 
-/// A closed room, in it a lamp, a ball of glass whose caustic falls on the floor, a
-/// smooth mesh and a crate that stands exactly on the floor.
+/// A closed room with a lamp, a ball of glass with a caustic on the floor, a smooth mesh, and a box that
+/// stands exactly on the floor.
 fn room() -> World {
     let (from, to) = (DVec3::new(0.0, 1.2, 1.9), DVec3::new(0.0, 0.5, 0.0));
     let mut world = World::seen(from, to, 55.0, [24, 18]).depth(5);
@@ -77,10 +77,10 @@ fn room() -> World {
     world
 }
 
-/// Null hypothesis, per tile: a room as it is, a thousandth and a thousand times its size, and moved by
-/// a million times its size look the same.
+/// Null hypothesis, per tile: the image of a room is the same if the room is scaled by 1e-3 or 1e3, or
+/// translated by 1e6 times its size.
 #[test]
-fn neither_size_nor_place_shows() {
+fn images_do_not_depend_on_scale_or_position() {
     for (integrator, spp) in [(Path, 64), (Light, 64), (Bdpt, 24), (Pssmlt, 48)] {
         let seen = |world: World, group| tiles(&world.build(), integrator, spp, (group, 8), 6);
         let here = seen(room(), 1);
@@ -115,7 +115,8 @@ fn neither_size_nor_place_shows() {
     }
 }
 
-/// The room without its lamp, under a sky: not one path may meet it. The walls are thin as paper.
+/// The room without its lamp, under an environment light that no path may reach. The walls have no
+/// thickness.
 #[test]
 fn closed_rooms_stay_dark() {
     for (name, scale, offset) in [
@@ -140,13 +141,13 @@ fn closed_rooms_stay_dark() {
     );
 }
 
-/// Light that comes nearly along a floor: L = rho/pi E cos.
+/// Light at grazing incidence on a floor: L = rho/pi E cos.
 #[test]
 fn grazing_light() {
     let rho = 0.5;
     let turn = DMat4::from_rotation_z(0.4) * DMat4::from_rotation_x(0.3);
     for slope in [1e-1, 1e-3, 1e-5] {
-        // In the plane y = 0, where a normal is exact, and turned, where it is one to 1e-7.
+        // In the plane y = 0, where the normal is exact, and tilted, where its relative error is 1e-7.
         for (turn, rounding) in [(DMat4::IDENTITY, 1e-5), (turn, 1e-5 + 3e-7 / slope)] {
             let place = |p: DVec3| turn.transform_point3(p);
             let (from, to) = (DVec3::Y * 3.0, DVec3::ZERO);
@@ -175,7 +176,7 @@ fn grazing_light() {
             }
             for integrator in [Light, Pssmlt] {
                 let name = format!("slope {slope}, {}", integrator.name());
-                // At such slopes one start in 1e5 meets the floor.
+                // At smaller slopes only one light subpath in 1e5 hits the floor.
                 if slope > 1e-2 {
                     assert_mean(
                         &name,
@@ -195,7 +196,7 @@ fn grazing_light() {
     );
 }
 
-/// A small ball that shines, low over a floor: E = pi L (r/d)^2 cos while it is above the horizon.
+/// A small emitting sphere just above a floor: E = pi L (r/d)^2 cos while it is above the horizon.
 #[test]
 fn a_low_lamp() {
     let (rho, r) = (0.5, 0.01);
@@ -212,13 +213,13 @@ fn a_low_lamp() {
             let name = format!("height {height}, {}", integrator.name());
             let moments = means(&scene, integrator, spp, 8);
             println!("{name}: {} {truth}", moments.mean);
-            // The image is 0.003 wide, over which the light varies by 1e-4 of itself at most.
+            // The image is 0.003 wide, over which the irradiance varies by at most 1e-4 of itself.
             assert_mean(&name, &moments, truth, 1e-4, ALPHA);
         }
     }
 }
 
-/// A camera that looks nearly along a floor under a sky sees rho, to the last pixel.
+/// A floor under a constant environment, seen at grazing angles: all pixels are rho.
 #[test]
 fn grazing_views() {
     for (height, slope, near) in [(1e-1, 0.1, 1e-3), (1e-3, 1e-2, 1e-4), (1e-4, 1e-3, 1e-4)] {
@@ -230,7 +231,7 @@ fn grazing_views() {
         world.sky(1.0);
         world.0.camera.near_clip = near;
         let scene = world.build();
-        // No light subpath from the sky is likely to meet what is seen.
+        // Light tracing is left out: its subpaths are unlikely to hit the visible part of the floor.
         for integrator in [Path, Bdpt, Pssmlt] {
             let name = format!("height {height}, slope {slope}, {}", integrator.name());
             let spp = if integrator == Path { 64 } else { 400 };
@@ -244,8 +245,8 @@ fn grazing_views() {
     );
 }
 
-/// Two floors in one place, cut into different triangles, and a third that overlaps them, in an oblique
-/// plane where each is rounded in its own way: under a sky the floor of albedo rho shows rho.
+/// Coincident and overlapping floors of different triangulations, in an oblique plane where they are
+/// rounded differently: under a constant environment a floor of albedo rho has radiance rho.
 #[test]
 fn coincident_faces_of_one_material() {
     let tilt = DMat4::from_rotation_z(0.4) * DMat4::from_rotation_x(0.3);
@@ -270,10 +271,11 @@ fn coincident_faces_of_one_material() {
     }
 }
 
-/// All that stands here absorbs nothing: it must show the sky. A ball of glass touches the floor in one
-/// point, a crate stands on it, a white ball is half sunk into it and touches the crate.
+/// A white furnace of objects that touch: nothing absorbs light, so that the image is that of the
+/// environment. A ball of glass touches the floor in one point, a box stands on it, and a white ball is half
+/// below it and touches the box.
 #[test]
-fn a_white_furnace_of_things_that_touch() {
+fn a_white_furnace_of_objects_that_touch() {
     let (from, to) = (DVec3::new(0.3, 1.0, 2.5), DVec3::new(0.0, 0.2, 0.0));
     let mut world = World::seen(from, to, 45.0, [12, 9]);
     let white = world.diffuse_sheet(1.0);
@@ -296,7 +298,8 @@ fn a_white_furnace_of_things_that_touch() {
     }
 }
 
-/// A block of water under a sky, in it a ball of air, and in that, `gap` from its surface, one of glass.
+/// A block of water under a constant environment, with a ball of air inside, which contains a ball of glass
+/// at the distance `gap` from its surface.
 fn ball_in_cavity(gap: f64) -> Scene {
     let mut world = World::seen(DVec3::new(0.3, 1.0, 4.5), DVec3::ZERO, 25.0, [12, 9]);
     let [water, cavity, glass] = [1.33, 1.0 / 1.33, 1.5].map(|eta| world.glass(eta));
@@ -318,10 +321,11 @@ fn block_on_floor(gap: f64) -> Scene {
     world.build()
 }
 
-/// Glass beside water, and glass on a floor, with a gap. A ray starts 5e-7 to 1.5e-5 of the scene's radius
-/// off the surface that it leaves: what is nearer than that is passed over. From 1e-5 on (here the radii
-/// are 1.7 and 4.2, and the things stand near their centres) all is right; below, the medium is
-/// mistaken, but numbers stay numbers, and nothing is off by more than a fifth.
+/// Gaps between glass and water, and between glass and a floor. The origin of a ray is offset by 5e-7 to
+/// 1.5e-5 of the scene's radius from the surface that it leaves, and surfaces nearer than that are missed.
+/// From a gap of 1e-5 on images are right (the radii here are 1.7 and 4.2, and the objects are near the
+/// centres); with smaller ones light continues in the wrong medium, but numbers stay finite, and the error
+/// is below a fifth.
 #[test]
 fn narrow_gaps() {
     for (integrator, spp) in [(Path, 128), (Bdpt, 32)] {
@@ -331,7 +335,7 @@ fn narrow_gaps() {
             let moments = means(&ball_in_cavity(gap), integrator, spp, 8);
             assert_mean(&name, &moments, 1.0, 1e-5, ALPHA);
             let narrow = tiles(&block_on_floor(gap), integrator, 4 * spp, (2, 8), 12);
-            // A gap of 1e-2 is seen: it makes 0.0005 of 0.685.
+            // A gap of 1e-2 is visible: it changes the mean, 0.685, by 0.0005.
             assert_same_image(&name, [&wide, &narrow], 2e-3, ALPHA);
         }
         for gap in [1e-6, 1e-7, 0.0] {
@@ -358,8 +362,8 @@ fn narrow_gaps() {
     }
 }
 
-/// Triangles without area, of repeated corners or of three on a line, are left out: the image is the same
-/// to the bit. Slivers that lie within other triangles make it no different. On a lamp, too.
+/// Triangles without area (repeated or collinear corners) are left out: the image is bitwise the same.
+/// Slivers that lie within other triangles do not change its mean, on emitters either.
 #[test]
 fn triangles_without_area() {
     let scene = |points: usize, slivers: usize, flat: bool| {
@@ -379,7 +383,8 @@ fn triangles_without_area() {
                     .push([[a, a, a], [a, a, b], [a, b, a], [b, a, a]][i as usize % 4]);
             }
             for i in 0..slivers as u32 {
-                // Along an edge of a triangle, thinner than f32 can tell at the scale of the scene.
+                // Parallel to an edge of a triangle, thinner than the resolution of f32 at the size of the
+                // scene.
                 let [a, b, c] = mesh.triangles[(5 * i % whole) as usize];
                 let [p, q, r] =
                     [a, b, c].map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)));
@@ -403,7 +408,7 @@ fn triangles_without_area() {
     for flat in [true, false] {
         let (plain, with_points, with_slivers) =
             (scene(0, 0, flat), scene(40, 0, flat), scene(0, 40, flat));
-        // At the poles of a ball the other half of each patch has no area already.
+        // At the poles of a ball one half of each patch has no area either.
         let left_out = plain.geometry.degenerate_count();
         assert_eq!(with_points.geometry.degenerate_count(), left_out + 80);
         for (integrator, spp) in [(Path, 64), (Light, 64), (Bdpt, 24), (Pssmlt, 48)] {

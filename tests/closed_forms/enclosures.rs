@@ -1,6 +1,6 @@
-//! Furnaces: inside a closed surface that shines with radiance 1 and reflects rho, the radiance is
-//! 1 + rho + rho^2 + ... everywhere, whatever the shape of the enclosure and whatever lossless things
-//! stand in it.
+//! Furnace tests: inside a closed surface that emits radiance 1 and has albedo rho, the radiance is
+//! 1 + rho + rho^2 + ... everywhere, whatever the shape of the enclosure and whatever lossless objects
+//! are in it.
 
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
@@ -16,7 +16,7 @@ const WHITE: u32 = 1;
 
 const DIFFUSE: Material = Material::Diffuse { reflectance: WALL };
 
-/// A metal that reflects all light, or the share of it that a texture says.
+/// A metal whose reflectance is that of a texture.
 fn mirror(specular_reflectance: u32) -> Material {
     Material::Conductor {
         eta: Rgb::ZERO,
@@ -35,12 +35,12 @@ fn glass(eta: f32) -> Material {
 
 /// 1 + rho + ... + rho^(depth - 1).
 fn radiance(rho: f64, depth: Option<u32>) -> f64 {
-    let left = depth.map_or(0.0, |terms| rho.powi(terms as i32));
-    (1.0 - left) / (1.0 - rho)
+    let rest = depth.map_or(0.0, |terms| rho.powi(terms as i32));
+    (1.0 - rest) / (1.0 - rho)
 }
 
-/// The inside of a shining sphere, whose texture [`WALL`] is `rho`. With a second material a ball of
-/// it fills the view.
+/// The inside of an emitting sphere, where the texture [`WALL`] is `rho`. If there is a second material, a
+/// ball of it fills the view.
 fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
     let fov_x = if materials.len() > 1 { 35.0 } else { 70.0 };
     let mut shapes = vec![ShapeDescription {
@@ -72,8 +72,8 @@ fn compare(truths: &mut Truths, rho: f64, depth: Option<u32>, methods: &[Integra
     truths.render(&name, &scene, methods, spp, radiance(rho, depth));
 }
 
-/// Walls of 99% make paths of some hundred edges, and one sample of bidirectional path tracing joins
-/// them in ten thousand ways: that takes an ignored test.
+/// With walls of albedo 0.99, paths have some hundred edges and one sample of bidirectional path tracing
+/// has ten thousand connections: that case is in the ignored test below.
 #[test]
 fn diffuse_walls() {
     let mut truths = Truths::default();
@@ -98,7 +98,7 @@ fn very_white_diffuse_walls_by_bidirectional_methods() {
     );
 }
 
-/// Mirrors that shine reflect only themselves; no light subpath can be joined to them.
+/// Emitting mirrors, to which no light subpath can be connected.
 #[test]
 fn mirroring_walls() {
     let mut truths = Truths::default();
@@ -116,7 +116,7 @@ fn mirroring_walls() {
     truths.settle("closed form", "furnace of mirroring walls");
 }
 
-/// What loses nothing.
+/// Materials that absorb nothing.
 fn lossless() -> [(&'static str, Material); 5] {
     [
         ("mirror", mirror(WHITE)),
@@ -127,7 +127,7 @@ fn lossless() -> [(&'static str, Material); 5] {
     ]
 }
 
-/// A ball that loses nothing is invisible between shining walls.
+/// A ball that absorbs nothing is invisible between emitting walls.
 #[test]
 fn lossless_contents() {
     let mut truths = Truths::default();
@@ -142,9 +142,9 @@ fn lossless_contents() {
     );
 }
 
-/// And under an even sky: what refraction adds to radiance on entering it takes away on leaving.
+/// Under a constant environment too: the factors of refraction on radiance at entry and exit cancel.
 #[test]
-fn lossless_balls_under_an_even_sky() {
+fn lossless_balls_under_a_constant_environment() {
     let mut truths = Truths::default();
     for (name, ball) in lossless() {
         let scene = Words {

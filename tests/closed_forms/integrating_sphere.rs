@@ -1,6 +1,6 @@
-//! A point light inside a diffuse sphere. Every part of a sphere lights all others equally, so light
-//! reflected once is even all over, whatever the direct light (Walsh 1958, "Photometry"): with flux
-//! Phi into a sphere of area A, radiance is
+//! A point light inside a diffuse sphere. Every part of a sphere illuminates all others equally, so that
+//! the irradiance by reflected light is uniform, whatever the direct light (Walsh 1958, "Photometry").
+//! With flux Phi into a sphere of area A, the radiance is
 //!
 //!   rho/pi (E_direct + Phi/A (rho + rho^2 + ...)).
 
@@ -34,14 +34,14 @@ fn scene(words: Words, lamp: DVec3, intensity: Rgb) -> Scene {
     .build()
 }
 
-/// Phi/A (rho + rho^2 + ...) for paths of at most `depth` edges, of which direct light has two.
+/// Phi/A (rho + rho^2 + ...) for paths of at most `depth` edges; paths of direct light have two.
 fn reflected_irradiance(intensity: f64, rho: f64, depth: Option<u32>) -> f64 {
-    let even = 4.0 * PI * intensity / (4.0 * PI * RADIUS * RADIUS);
+    let uniform = 4.0 * PI * intensity / (4.0 * PI * RADIUS * RADIUS);
     let terms = depth.map_or(0.0, |depth| rho.powi(depth as i32 - 2));
-    even * rho * (1.0 - terms) / (1.0 - rho)
+    uniform * rho * (1.0 - terms) / (1.0 - rho)
 }
 
-/// The wall next to a lamp that is off centre.
+/// The wall near a point light that is off centre.
 #[test]
 fn direct_and_reflected_light() {
     let mut truths = Truths::default();
@@ -76,8 +76,8 @@ fn direct_and_reflected_light() {
     );
 }
 
-/// With the lamp at the centre all of the wall has one colour. The luminance of the image is b, by the
-/// statistics of the chains and in the image itself, and by the other integrators.
+/// With the light at the centre the image is uniform. Its luminance is b: in the statistics of the chains,
+/// in their image, and in the images of the other integrators.
 #[test]
 fn brightness_of_a_known_image() {
     let rho = [0.3_f32, 0.6, 0.9];

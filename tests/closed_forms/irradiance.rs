@@ -1,4 +1,4 @@
-//! One bounce: a diffuse floor of albedo rho under irradiance E shows rho E / pi.
+//! One bounce: a diffuse floor of albedo rho under irradiance E has radiance rho E / pi.
 
 use std::f64::consts::PI;
 
@@ -14,8 +14,8 @@ const METHODS: [Integrator; 3] = [Path, Bdpt, Pssmlt];
 const RHO: f64 = 0.6;
 const LE: f64 = 3.0;
 
-/// The floor at the origin, seen from `eye`, so narrowly that irradiance is the same all over the
-/// film.
+/// The floor at the origin, seen from `eye` with a field of view so narrow that the irradiance is the same
+/// over the whole film.
 fn floor_under(
     shapes: Vec<ShapeDescription>,
     emitters: Vec<EmitterDescription>,
@@ -37,8 +37,8 @@ fn floor_under(
 }
 
 /// Lambert's formula for the irradiance at the origin of a plane of normal +y from a polygon of
-/// radiance 1, wholly above it: E = (1/2) sum of the angles that its edges subtend, each times the
-/// cosine of its plane's normal with +y (Baum et al. 1989, "Improving radiosity solutions through the
+/// radiance 1, entirely above it: E = 1/2 times the sum over edges of the angle that the edge subtends times
+/// the cosine between +y and the normal of the plane through the edge and the origin (Baum et al. 1989, "Improving radiosity solutions through the
 /// use of analytically determined form-factors", eq. 7).
 fn lambert(polygon: &[DVec3]) -> f64 {
     let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
@@ -51,7 +51,7 @@ fn lambert(polygon: &[DVec3]) -> f64 {
     0.5 * sum.abs()
 }
 
-/// E at the foot of the perpendicular through a corner of a parallel rectangle a x b at height h
+/// E below a corner of a parallel rectangle a x b at height h
 /// (Howell, "A catalog of radiation heat transfer configuration factors", B-3).
 fn corner(a: f64, b: f64, h: f64) -> f64 {
     let (x, y) = (a / h, b / h);
@@ -67,20 +67,15 @@ fn lambert_agrees_with_a_published_factor() {
     }
 }
 
-/// A sphere of radiance L that is wholly above the horizon: E = pi L (R/d)^2 cos, as if all of it were
-/// at its centre.
+/// A sphere of radiance L that is entirely above the horizon: E = pi L (R/d)^2 cos, where cos is that of
+/// its centre.
 #[test]
 fn sphere_lights() {
     let mut truths = Truths::default();
     for (name, center, radius, eye) in [
         ("overhead", [0.0, 3.0, 0.0], 1.0, [4.0, 4.0, 0.0]),
         ("on the horizon", [5.0, 1.0, 0.0], 1.0, [-4.0, 4.0, 0.0]),
-        (
-            "all but touching",
-            [-0.05, 1.001, 0.0],
-            1.0,
-            [4.0, 0.2, 0.0],
-        ),
+        ("almost touching", [-0.05, 1.001, 0.0], 1.0, [4.0, 0.2, 0.0]),
         (
             "near and small",
             [-0.002, 0.01, 0.0],
@@ -105,7 +100,7 @@ fn sphere_lights() {
     );
 }
 
-/// Rectangles, parallel to the floor and tilted, by Lambert's formula.
+/// Rectangles, parallel to the floor and tilted, compared with Lambert's formula.
 #[test]
 fn rectangle_lights() {
     let mut truths = Truths::default();
@@ -187,7 +182,7 @@ fn lights_without_extent() {
     );
 }
 
-/// Form factor from a rectangle l x w to one of l x h at right angles along the edge l, for W = w/l and
+/// Form factor from a rectangle l x w to a perpendicular one l x h with the common edge l, for W = w/l and
 /// H = h/l (Howell, C-14).
 fn perpendicular_factor(h: f64, w: f64) -> f64 {
     let (h2, w2) = (h * h, w * w);
@@ -200,10 +195,10 @@ fn perpendicular_factor(h: f64, w: f64) -> f64 {
     (arcs + 0.25 * log) / (PI * w)
 }
 
-/// The floor along a shining wall. A pinhole straight above a rectangle that fills its film sees every
-/// part of it in proportion to its area: the mean of the image is the mean radiance.
+/// The floor along an emitting wall. The film of the pinhole is parallel to the floor and filled by the
+/// rectangle, so that the mean of the image is the mean radiance of the rectangle.
 #[test]
-fn floor_along_a_shining_wall() {
+fn floor_along_an_emitting_wall() {
     let mut truths = Truths::default();
     for (height, width) in [(1.0, 1.0), (0.2, 2.0)] {
         let wall = ShapeDescription {

@@ -1,5 +1,5 @@
-//! A plate of every material under an even sky: it shows its albedo, for the direction it is seen
-//! from, times the radiance of the sky.
+//! A plate of every material under a constant environment: its radiance is its albedo, for the viewing
+//! direction, times that of the environment.
 
 use glam::DVec3;
 use metrolight::math::Rgb;
@@ -36,7 +36,7 @@ fn plate(material: Material, degrees: f64) -> Scene {
         emitters: vec![EmitterDescription::Constant {
             radiance: Rgb::splat(SKY as f32),
         }],
-        // So narrow that the angle is the same all over the film.
+        // So narrow that the angle is the same over the whole film.
         fov_x: 0.05,
         camera: look_at(eye, DVec3::ZERO, DVec3::Z),
         ..Words::default()
@@ -48,25 +48,25 @@ fn textures() -> [Texture; 2] {
     [grey(RHO), grey(1.0)]
 }
 
-/// The direction of [`plate`]'s camera in the plate's frame.
+/// The direction to the camera of [`plate`] in the frame of the plate.
 fn tilted(degrees: f64) -> DVec3 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     DVec3::new(sin, 0.0, cos)
 }
 
-/// Smooth glass: what it reflects, and radiance from beyond by the square of the relative index.
+/// Smooth glass: the reflectance, and the transmittance over the square of the relative index.
 fn smooth_glass(eta: f64, from: DVec3) -> f64 {
     let across = if from.z > 0.0 { eta } else { 1.0 / eta };
     let reflected = dielectric_fresnel(from.z.abs(), across);
     reflected + (1.0 - reflected) / (across * across)
 }
 
-/// Mitsuba's plastic: F + (1 - F) int (1 - F_i) rho / (pi eta^2 (1 - again)) cos, where what the coat
-/// reflects back inside takes on the colour of the body each time, or does not.
+/// Mitsuba's plastic: F + (1 - F) int (1 - F_i) rho / (pi eta^2 (1 - R)) cos, where R is the fraction of
+/// diffuse light inside that the coat reflects back, times rho if `nonlinear`.
 fn plastic(eta: f64, nonlinear: bool, from: DVec3) -> f64 {
     let fresnel = |cos: f64| dielectric_fresnel(cos, eta);
     let again = internal_diffuse_reflectance(eta) * if nonlinear { RHO } else { 1.0 };
-    let body = RHO / (eta * eta * (1.0 - again));
+    let substrate = RHO / (eta * eta * (1.0 - again));
     let entering = albedo(from, |to, _| {
         if to.z > 0.0 {
             (1.0 - fresnel(to.z)) / std::f64::consts::PI
@@ -74,11 +74,11 @@ fn plastic(eta: f64, nonlinear: bool, from: DVec3) -> f64 {
             0.0
         }
     });
-    fresnel(from.z) + (1.0 - fresnel(from.z)) * body * entering
+    fresnel(from.z) + (1.0 - fresnel(from.z)) * substrate * entering
 }
 
-/// What a plate is made of, its albedo from a direction, and how far the renderer's model is allowed to be
-/// from it: where it uses a fit, a table, or both.
+/// The material of a plate, its albedo for a direction, and the relative error that the model of the
+/// renderer may have, where it uses a fit, a table, or both.
 struct Case {
     name: &'static str,
     material: Material,
@@ -95,7 +95,7 @@ fn case(name: &'static str, material: Material, albedo: impl Fn(DVec3) -> f64 + 
     }
 }
 
-/// Metals; `n` and `k` are those of the green channel.
+/// Index of refraction of a metal: eta and k of all channels, then of the green channel.
 fn metal(name: &str) -> (Rgb, Rgb, f64, f64) {
     let (eta, k) = metals::metal(name).expect("a known metal");
     (eta, k, f64::from(eta.y), f64::from(k.y))
@@ -186,8 +186,8 @@ fn rough_cases() -> Vec<Case> {
         rough_glass(Ggx, 0.4, 1.5),
         rough_glass(Beckmann, 0.4, 1.5),
         rough_glass(Ggx, 0.7, 0.75),
-        // Mitsuba's sum over its table for what the coat reflects back inside, which the renderer keeps,
-        // is 1.6% low.
+        // Mitsuba's quadrature over its table of the light that the coat reflects back, which the renderer
+        // uses too, is 1.6% low.
         Case {
             model_error: 0.01,
             ..case("rough plastic", rough_plastic, |from| {
@@ -206,7 +206,7 @@ fn settle(cases: Vec<Case>, title: &str) {
         model_error,
     } in cases
     {
-        // From below only what transmits is not black.
+        // From below only transmitting materials are not black.
         let transmits = matches!(
             material,
             Material::Dielectric { .. } | Material::RoughDielectric { .. }
@@ -227,18 +227,18 @@ fn settle(cases: Vec<Case>, title: &str) {
 }
 
 #[test]
-fn smooth_materials_under_an_even_sky() {
+fn smooth_materials_under_a_constant_environment() {
     settle(smooth_cases(), "albedo of smooth materials");
 }
 
 #[test]
-fn rough_materials_under_an_even_sky() {
+fn rough_materials_under_a_constant_environment() {
     settle(rough_cases(), "albedo of rough materials, by quadrature");
 }
 
 /// Each side of a two-sided material is a material of its own.
 #[test]
-fn two_sided_materials_under_an_even_sky() {
+fn two_sided_materials_under_a_constant_environment() {
     let front = rough_metal(MicrofacetDistribution::Ggx, 0.3, "Au");
     let material = Material::TwoSided {
         front: Box::new(front.material),

@@ -1,14 +1,14 @@
-//! Materials after their published formulas, in f64, and their albedos by brute-force quadrature:
-//! nothing here is shared with the renderer.
+//! Materials by their published formulas, in f64, and their albedos by brute-force quadrature, without any
+//! code of the renderer.
 //!
-//! Directions are unit vectors in the frame of the surface, +z the normal, away from the surface.
+//! Directions are unit vectors in the frame of the surface (+z is the normal) and point away from it.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// Fresnel's equations for unpolarised light at `cos` that meets a medium of relative index `eta`
-/// (Born and Wolf, "Principles of Optics", 7th ed., section 1.5.2, with the angles themselves).
+/// Fresnel's equations for unpolarised light that enters a medium of relative index `eta` at `cos` (Born
+/// and Wolf, "Principles of Optics", 7th ed., section 1.5.2, in terms of the angles).
 pub fn dielectric_fresnel(cos: f64, eta: f64) -> f64 {
     let incident = cos.clamp(0.0, 1.0).acos();
     let sine = incident.sin() / eta;
@@ -41,7 +41,7 @@ pub fn conductor_fresnel(cos: f64, n: f64, k: f64) -> f64 {
     0.5 * (ratio([cos, 0.0]) + ratio(index2.map(|part| part * cos)))
 }
 
-/// Statistics of a rough surface (Walter et al. 2007, "Microfacet models for refraction through rough
+/// The microfacets of a rough surface (Walter et al. 2007, "Microfacet models for refraction through rough
 /// surfaces").
 #[derive(Clone, Copy)]
 pub enum Facets {
@@ -59,8 +59,7 @@ impl Facets {
         }
     }
 
-    /// Smith's G1 of a direction on either side: Beckmann's before its approximation, equations 26
-    /// and 34.
+    /// Smith's G1 of a direction on either side: equations 26 (Beckmann's, exact) and 34.
     fn masking(self, v: DVec3) -> f64 {
         let tan = (1.0 - v.z * v.z).max(0.0).sqrt() / v.z.abs();
         if tan == 0.0 {
@@ -104,39 +103,39 @@ impl Facets {
             / ((light.z * camera.z).abs() * (eta * light_m + camera_m).powi(2))
     }
 
-    /// Both, for radiance through a rough interface of index `eta` (+z outside, index 1).
+    /// Reflection and refraction of radiance by a rough interface of index `eta` (+z outside, index 1).
     pub fn interface(self, light: DVec3, camera: DVec3, eta: f64) -> f64 {
         let across = if camera.z > 0.0 { eta } else { 1.0 / eta };
         self.reflect(light, camera, |cos| dielectric_fresnel(cos, across))
             + self.refract(light, camera, across)
     }
 
-    /// Share of the power from `from` that a rough interface of index `eta` reflects.
-    fn reflected_share(self, from: DVec3, eta: f64) -> f64 {
+    /// Fraction of the power from `from` that a rough interface of index `eta` reflects.
+    fn reflected_fraction(self, from: DVec3, eta: f64) -> f64 {
         albedo(from, |to, from| {
             self.reflect(to, from, |cos| dielectric_fresnel(cos, eta))
         })
     }
 
-    /// Share of the power from `from` that it lets through. By reciprocity the radiance that goes
-    /// the other way, over the square of the index that it gains (Veach 1997, eq. 5.14).
-    fn transmitted_share(self, from: DVec3, eta: f64) -> f64 {
+    /// Fraction of the power from `from` that it transmits: by reciprocity that of radiance in the reverse
+    /// direction, without the factor of the squared index (Veach 1997, eq. 5.14).
+    fn transmitted_fraction(self, from: DVec3, eta: f64) -> f64 {
         albedo(from, |to, from| eta * eta * self.refract(to, from, eta))
     }
 
-    /// Mitsuba's rough plastic: reflection by the coat, and the body behind it with the albedo `rho`,
-    /// f = T(l) T(c) rho / (pi eta^2 (1 - again)), where T is the coat's transmitted share and what it
-    /// reflects back inside takes on the colour of the body each time.
+    /// Mitsuba's rough plastic: reflection by the coat, and a substrate of albedo `rho` below it,
+    /// f = T(l) T(c) rho / (pi eta^2 (1 - rho R)), where T is the transmitted fraction of the coat and R
+    /// the fraction of diffuse light inside that it reflects back.
     pub fn nonlinear_plastic(self, rho: f64, eta: f64, from: DVec3) -> f64 {
-        let coat = self.reflected_share(from, eta);
-        let through = 2.0 * cosine_mean(|from| self.transmitted_share(from, eta));
-        let inside = 2.0 * cosine_mean(|from| self.reflected_share(from, 1.0 / eta));
-        let body = rho / (eta * eta * (1.0 - rho * inside));
-        coat + self.transmitted_share(from, eta) * body * through
+        let coat = self.reflected_fraction(from, eta);
+        let through = 2.0 * cosine_mean(|from| self.transmitted_fraction(from, eta));
+        let inside = 2.0 * cosine_mean(|from| self.reflected_fraction(from, 1.0 / eta));
+        let substrate = rho / (eta * eta * (1.0 - rho * inside));
+        coat + self.transmitted_fraction(from, eta) * substrate * through
     }
 }
 
-/// Integral of `f` times the cosine over the cosine, from 0 to 1.
+/// Integral over the cosine, from 0 to 1, of `f` times the cosine.
 fn cosine_mean(f: impl Fn(DVec3) -> f64) -> f64 {
     const STEPS: u32 = 32;
     let step = 0.5 * PI / f64::from(STEPS);
@@ -148,8 +147,8 @@ fn cosine_mean(f: impl Fn(DVec3) -> f64) -> f64 {
         .sum()
 }
 
-/// Share of uniform diffuse light inside a smooth boundary of index `eta` that it reflects back:
-/// 2 int F(cos, 1/eta) cos dcos, by midpoints over the angle.
+/// Fraction of diffuse light inside a smooth boundary of index `eta` that is reflected back:
+/// 2 int F(cos, 1/eta) cos dcos, by the midpoint rule over the angle.
 pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
     const STEPS: u32 = 20_000;
     let step = 0.5 * PI / f64::from(STEPS);
@@ -161,7 +160,7 @@ pub fn internal_diffuse_reflectance(eta: f64) -> f64 {
         .sum()
 }
 
-/// Integral of f(to, `from`) |cos| over the whole sphere of directions `to`, by midpoints in polar
+/// Integral of f(to, `from`) |cos| over the whole sphere of directions `to`, by the midpoint rule in polar
 /// angle and azimuth.
 pub fn albedo(from: DVec3, f: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     const STEPS: u32 = 300;
@@ -169,7 +168,7 @@ pub fn albedo(from: DVec3, f: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..STEPS {
         let (sin, cos) = ((f64::from(i) + 0.5) * step).sin_cos();
-        // `from` lies in the plane y = 0, in which everything is symmetric.
+        // Half of the azimuths: `from` is in the plane y = 0, which is a plane of symmetry.
         for j in 0..STEPS {
             let (sin_phi, cos_phi) = ((f64::from(j) + 0.5) * step).sin_cos();
             let to = DVec3::new(sin * cos_phi, sin * sin_phi, cos);

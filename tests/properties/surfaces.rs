@@ -1,4 +1,4 @@
-//! Transforms of shapes: where they put surfaces, and what becomes of normals and sides.
+//! Transforms of shapes: positions, normals and sides of the transformed surfaces.
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use metrolight::film::Filter;
@@ -45,7 +45,7 @@ fn scene(geometry: ShapeGeometry, to_world: DMat4, flip_normals: bool) -> Scene 
     description.build().expect("a scene")
 }
 
-/// What a ray from `origin` (in the world) through `target` meets.
+/// The hit of a ray from `origin` through `target`, in world coordinates.
 fn cast(scene: &Scene, origin: DVec3, target: DVec3) -> Option<SurfacePoint> {
     let ray = Ray {
         origin: ((origin - scene.center) / scene.unit).as_vec3a(),
@@ -60,7 +60,7 @@ fn rotation() -> impl Strategy<Value = DQuat> {
         .prop_map(|(axis, angle)| DQuat::from_axis_angle(axis.as_dvec3().normalize(), angle))
 }
 
-/// A factor of either sign.
+/// A scale factor of either sign.
 fn factor() -> impl Strategy<Value = f64> {
     (-3.0..3.0f64, any::<bool>()).prop_map(|(e, mirror)| if mirror { -e.exp2() } else { e.exp2() })
 }
@@ -69,7 +69,7 @@ fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     [-size..size, -size..size, -size..size].prop_map(DVec3::from)
 }
 
-/// Turned, scaled unevenly, mirrored, turned again (so sheared) and moved.
+/// Rotation, non-uniform scale and reflection, another rotation (so that the whole shears), and translation.
 fn affine() -> impl Strategy<Value = DMat4> {
     let scale = [factor(), factor(), factor()].prop_map(DVec3::from);
     (rotation(), scale, rotation(), vector(100.0)).prop_map(|(first, scale, second, place)| {
@@ -79,7 +79,7 @@ fn affine() -> impl Strategy<Value = DMat4> {
     })
 }
 
-/// Corners of a triangle that is no sliver, at the precision of a mesh.
+/// Corners, rounded to f32, of a triangle that is not a sliver.
 fn corners() -> impl Strategy<Value = [DVec3; 3]> {
     [vector(1.0), vector(1.0), vector(1.0)].prop_filter_map("a triangle", |corners| {
         let [a, b, c] = corners.map(|p| p.as_vec3().as_dvec3());
@@ -88,10 +88,10 @@ fn corners() -> impl Strategy<Value = [DVec3; 3]> {
     })
 }
 
-/// Barycentric coordinates within a triangle, not at its very edge.
+/// Barycentric coordinates inside a triangle, away from its edges.
 fn within() -> impl Strategy<Value = [f64; 3]> {
-    (0.01..0.97f64, 0.01..1.0f64).prop_map(|(b1, part)| {
-        let b2 = (0.98 - b1) * part + 0.005;
+    (0.01..0.97f64, 0.01..1.0f64).prop_map(|(b1, t)| {
+        let b2 = (0.98 - b1) * t + 0.005;
         [1.0 - b1 - b2, b1, b2]
     })
 }
@@ -101,11 +101,11 @@ fn blend(b: [f64; 3], v: [DVec3; 3]) -> DVec3 {
 }
 
 proptest! {
-    /// A triangle is hit where its transform puts it, from both sides. Its normal stands on its
-    /// edges, which normals carried by the transform itself would not if that scales unevenly, and
-    /// on the side of the vertex normals or else of the winding.
+    /// A transformed triangle is hit at the transformed point, from both sides. Its normal is
+    /// perpendicular to the transformed edges (a non-uniform scale applied to the normal itself would
+    /// not keep it so), on the side of the vertex normals or, without any, of the winding.
     #[test]
-    fn triangles_are_where_their_transform_puts_them(
+    fn triangles_are_transformed(
         corners in corners(),
         normals in prop::option::of([vector(1.0), vector(1.0), vector(1.0)]),
         to_world in affine(),
@@ -114,8 +114,8 @@ proptest! {
         from in direction(),
     ) {
         let winding = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-        // Vertex normals lean by up to 45 degrees from that of the triangle, all to one side.
-        let normals = normals.map(|lean| lean.map(|lean| winding + 0.5 * lean));
+        // Vertex normals deviate by up to 45 degrees from that of the triangle.
+        let normals = normals.map(|offsets| offsets.map(|offset| winding + 0.5 * offset));
         let uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let mesh = TriangleMesh {
             positions: corners.map(|p| p.as_vec3().to_array()).to_vec(),
@@ -124,18 +124,18 @@ proptest! {
             triangles: vec![[0, 1, 2]],
         };
         let scene = scene(ShapeGeometry::Mesh(mesh), to_world, flip);
-        let placed = corners.map(|p| to_world.transform_point3(p));
-        let target = blend(b, placed);
-        let edges = [placed[1] - placed[0], placed[2] - placed[0]];
+        let corners = corners.map(|p| to_world.transform_point3(p));
+        let target = blend(b, corners);
+        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
         let normal = edges[0].cross(edges[1]).normalize();
         let from = from.as_dvec3();
-        // Not along the surface.
+        // Not a grazing ray.
         prop_assume!(from.dot(normal).abs() > 0.1);
         let hit = cast(&scene, target + 500.0 * scene.unit * from, target);
         let hit = hit.ok_or_else(|| TestCaseError::fail("no hit"))?;
 
-        let place = hit.position.as_dvec3() * scene.unit + scene.center;
-        prop_assert!(place.distance(target) < 1e-5 * 1000.0 * scene.unit, "{place} {target}");
+        let position = hit.position.as_dvec3() * scene.unit + scene.center;
+        prop_assert!(position.distance(target) < 1e-5 * 1000.0 * scene.unit, "{position} {target}");
         prop_assert!((f64::from(hit.uv.x) - b[1]).abs() < 2e-4, "{} {b:?}", hit.uv);
         prop_assert!((f64::from(hit.uv.y) - b[2]).abs() < 2e-4, "{} {b:?}", hit.uv);
 
@@ -146,7 +146,7 @@ proptest! {
         };
         let expected = if (side < 0.0) == flip { normal } else { -normal };
         let geometric = hit.geometric_normal.as_dvec3();
-        // Where the leaning normals balance, either side is right.
+        // Where the vertex normals cancel, either side is right.
         prop_assume!(side.abs() > 1e-3);
         prop_assert!(geometric.distance(expected) < 1e-3, "{geometric} {expected}");
 
@@ -161,21 +161,21 @@ proptest! {
         prop_assert!((hit.shading.s.cross(hit.shading.t) - hit.shading.n).length() < 1e-5);
     }
 
-    /// A sphere stays a sphere under turning, mirroring and even scaling; mirrored, it is turned inside out.
+    /// Rotation, reflection and uniform scale map a sphere to a sphere; reflection reverses its sides.
     #[test]
-    fn spheres_are_where_their_transform_puts_them(
+    fn spheres_are_transformed(
         center in vector(2.0),
         radius in 0.1..3.0f64,
-        turn in rotation(),
+        rotation in rotation(),
         scale in factor(),
         mirror in any::<bool>(),
-        place in vector(100.0),
+        translation in vector(100.0),
         flip in any::<bool>(),
         outward in direction(),
     ) {
         let mirroring = DVec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
-        let linear = DMat3::from_quat(turn) * DMat3::from_diagonal(scale * mirroring);
-        let to_world: DMat4 = DAffine3::from_mat3_translation(linear, place).into();
+        let linear = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale * mirroring);
+        let to_world: DMat4 = DAffine3::from_mat3_translation(linear, translation).into();
         let scene = scene(ShapeGeometry::Sphere { center, radius }, to_world, flip);
         let outward = outward.as_dvec3().normalize();
         let center = to_world.transform_point3(center);
@@ -183,8 +183,8 @@ proptest! {
         let surface = center + radius * outward;
         let hit = cast(&scene, surface + radius * outward, center);
         let hit = hit.ok_or_else(|| TestCaseError::fail("no hit"))?;
-        let place = hit.position.as_dvec3() * scene.unit + scene.center;
-        prop_assert!(place.distance(surface) < 1e-5 * radius, "{place} {surface}");
+        let position = hit.position.as_dvec3() * scene.unit + scene.center;
+        prop_assert!(position.distance(surface) < 1e-5 * radius, "{position} {surface}");
         let inside_out = (linear.determinant() < 0.0) != flip;
         let expected = if inside_out { -outward } else { outward };
         let normal = hit.geometric_normal.as_dvec3();

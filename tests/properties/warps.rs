@@ -41,10 +41,10 @@ proptest! {
         prop_assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 + 1e-6);
     }
 
-    /// The area of the image of a small square is the square's over the density. Central differences
-    /// of width 2^-8 have errors of about their square times the third derivative: a warp whose
-    /// density were off by 2% would be found. Kept clear of are the edges, where derivatives grow
-    /// without bound, and the diagonals, where that of the disk's map has a jump.
+    /// The area of the image of a small square is the area of the square over the density. Central
+    /// differences of width 2^-8 have errors of about their square times the third derivative: an error
+    /// of 2% in a density is detected. The edges are excluded, where derivatives are unbounded, and the
+    /// diagonals, where the derivative of the map to the disk is discontinuous.
     #[test]
     fn densities_are_those_of_the_maps(x in 0.1f32..0.9, y in 0.1f32..0.9) {
         const H: f32 = 1.0 / 256.0;
@@ -67,14 +67,14 @@ proptest! {
         }
     }
 
-    /// Each map can be undone: nothing is folded over.
+    /// Each map has an inverse.
     #[test]
-    fn warps_are_one_to_one(x in unit(), y in unit()) {
+    fn warps_are_invertible(x in unit(), y in unit()) {
         let u = Vec2::new(x, y);
-        // Shirley and Chiu's map keeps squares around the centre: their half side is the radius.
+        // Shirley and Chiu's map takes concentric squares to circles: the half side becomes the radius.
         let (square, disk) = (2.0 * u - Vec2::ONE, square_to_disk(u));
         prop_assert!((square.abs().max_element() - disk.length()).abs() < 1e-6);
-        // And their eighths: the angle is 45 degrees times the part of the half side.
+        // It maps octants linearly: the angle is 45 degrees times the fraction of the half side.
         let (major, minor) = (square.abs().max_element(), square.abs().min_element());
         if major > 1e-3 {
             let angle = disk.abs().min_element().atan2(disk.abs().max_element());
