@@ -11,6 +11,7 @@ use super::plastic::{Plastic, PlasticBsdf};
 use super::rough_conductor::RoughConductorBsdf;
 use super::rough_dielectric::{RoughDielectricBsdf, is_index_matched};
 use super::rough_plastic::{RoughPlastic, RoughPlasticBsdf};
+use super::substrate::Substrate;
 use crate::math::Rgb;
 use crate::scene::texture::Texture;
 
@@ -155,16 +156,16 @@ macro_rules! at_point {
             Material::Plastic(plastic) => {
                 let $bsdf = PlasticBsdf {
                     plastic,
-                    diffuse: $color(&plastic.substrate.reflectance),
-                    specular: $color(&plastic.specular_reflectance),
+                    diffuse: $color(&plastic.substrate.diffuse_reflectance),
+                    specular: $color(&plastic.substrate.specular_reflectance),
                 };
                 $one
             }
             Material::RoughPlastic(plastic) => {
                 let $bsdf = RoughPlasticBsdf {
                     plastic,
-                    diffuse: $color(&plastic.substrate.reflectance),
-                    specular: $color(&plastic.specular_reflectance),
+                    diffuse: $color(&plastic.substrate.diffuse_reflectance),
+                    specular: $color(&plastic.substrate.specular_reflectance),
                 };
                 $one
             }
@@ -200,13 +201,13 @@ impl Material {
         specular_reflectance: u32,
         textures: &[Texture],
     ) -> Self {
-        Material::Plastic(Plastic::new(
+        Material::Plastic(Plastic::new(Substrate::new(
             eta,
             nonlinear,
             diffuse_reflectance,
             specular_reflectance,
             textures,
-        ))
+        )))
     }
 
     /// Rough plastic, with roughness `alpha`; the rest as for [`Material::plastic`].
@@ -219,13 +220,16 @@ impl Material {
         specular_reflectance: u32,
         textures: &[Texture],
     ) -> Self {
-        Material::RoughPlastic(RoughPlastic::new(
-            Microfacets::new(distribution, alpha),
+        let substrate = Substrate::new(
             eta,
             nonlinear,
             diffuse_reflectance,
             specular_reflectance,
             textures,
+        );
+        Material::RoughPlastic(RoughPlastic::new(
+            Microfacets::new(distribution, alpha),
+            substrate,
         ))
     }
 

@@ -18,6 +18,7 @@ mod rough_conductor;
 mod rough_dielectric;
 mod rough_plastic;
 mod rough_reflection;
+mod substrate;
 
 #[cfg(test)]
 mod tests;

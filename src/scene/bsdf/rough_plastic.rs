@@ -8,11 +8,10 @@ use glam::{Vec2, Vec3A};
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
-use super::plastic::{Substrate, specular_probability, specular_weight};
 use super::rough_reflection;
+use super::substrate::Substrate;
 use crate::math::Rgb;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
-use crate::scene::texture::Texture;
 
 /// Entries of the tables over the cosine, equally spaced from 0 to 1.
 const TABLE_SIZE: usize = 64;
@@ -25,23 +24,15 @@ const MIN_COS: f32 = 1e-6;
 pub struct RoughPlastic {
     pub(super) substrate: Substrate,
     microfacets: Microfacets,
-    /// Inside over outside.
-    eta: f32,
-    pub(super) specular_reflectance: u32,
-    specular_weight: f32,
+    /// Fraction of diffuse light inside that the coat reflects back.
+    internal_reflectance: f32,
     /// Fraction of light from outside that the coat transmits, by cosine.
     transmittance: Box<[f32; TABLE_SIZE]>,
 }
 
 impl RoughPlastic {
-    pub(super) fn new(
-        microfacets: Microfacets,
-        eta: f32,
-        nonlinear: bool,
-        diffuse_reflectance: u32,
-        specular_reflectance: u32,
-        textures: &[Texture],
-    ) -> Self {
+    pub(super) fn new(microfacets: Microfacets, substrate: Substrate) -> Self {
+        let eta = substrate.eta;
         let cos = |i: usize| (i as f32 / (TABLE_SIZE - 1) as f32).max(MIN_COS);
         let (coarse, fine) = (gauss_legendre(32), gauss_legendre(96));
         // 1/pi times the integral of R cos over the hemisphere, by Mitsuba's quadrature over the table.
@@ -49,16 +40,9 @@ impl RoughPlastic {
             .map(|i| reflected_fraction(microfacets, eta.recip(), cos(i), &fine) * cos(i))
             .sum();
         Self {
-            substrate: Substrate {
-                reflectance: diffuse_reflectance,
-                nonlinear,
-                internal_reflectance: 2.0 * internal / TABLE_SIZE as f32,
-                inv_eta2: (eta * eta).recip(),
-            },
+            substrate,
             microfacets,
-            eta,
-            specular_reflectance,
-            specular_weight: specular_weight(textures, diffuse_reflectance, specular_reflectance),
+            internal_reflectance: 2.0 * internal / TABLE_SIZE as f32,
             transmittance: Box::new(std::array::from_fn(|i| {
                 transmitted_fraction(microfacets, eta, cos(i), &coarse)
             })),
@@ -92,14 +76,16 @@ impl Bsdf for RoughPlasticBsdf<'_> {
         };
         let light = self.plastic.transmittance(to_light.z);
         let camera = self.plastic.transmittance(to_camera.z);
-        let fresnel = fresnel::dielectric(coat.cos, self.plastic.eta).reflectance;
+        let substrate = &self.plastic.substrate;
+        let fresnel = fresnel::dielectric(coat.cos, substrate.eta).reflectance;
         let pdf = |transmittance: f32, coat_pdf: f32, direction: Vec3A| {
-            let p = specular_probability(self.plastic.specular_weight, 1.0 - transmittance);
+            let p = substrate.specular_probability(1.0 - transmittance);
             p * coat_pdf + (1.0 - p) * cosine_hemisphere_pdf(direction.z)
         };
         BsdfEvaluation {
             f: self.specular * (fresnel * coat.f)
-                + self.plastic.substrate.albedo(self.diffuse) * (light * camera * FRAC_1_PI),
+                + substrate.albedo(self.diffuse, self.plastic.internal_reflectance)
+                    * (light * camera * FRAC_1_PI),
             pdf_to_light: pdf(camera, coat.pdf_to_light, to_light),
             pdf_to_camera: pdf(light, coat.pdf_to_camera, to_camera),
         }
@@ -111,8 +97,7 @@ impl Bsdf for RoughPlasticBsdf<'_> {
             return None;
         }
         let reflectance = 1.0 - self.plastic.transmittance(from.z);
-        let direction = if u_lobe < specular_probability(self.plastic.specular_weight, reflectance)
-        {
+        let direction = if u_lobe < self.plastic.substrate.specular_probability(reflectance) {
             rough_reflection::sample(self.plastic.microfacets, from, u)?
         } else {
             square_to_cosine_hemisphere(u)

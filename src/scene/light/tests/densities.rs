@@ -80,10 +80,7 @@ fn direct_sampling_has_the_density_of_hits() {
         let mut observed = vec![0; expected.len()];
         let mut numbers = Numbers::new(1);
         for _ in 0..samples {
-            let sample =
-                scene
-                    .emitters
-                    .sample_direct(point, numbers.unit(), numbers.unit(), numbers.pair());
+            let sample = sample_direct(&scene, point, &mut numbers);
             if let Some(sample) = sample.filter(|sample| !sample.delta) {
                 observed[cell(frame.to_local(sample.direction))] += 1;
             }
@@ -115,11 +112,7 @@ fn direct_samples_equal_hits() {
         let mut numbers = Numbers::new(2);
         let mut compared = 0;
         for _ in 0..5_000 {
-            let Some(sample) =
-                scene
-                    .emitters
-                    .sample_direct(point, numbers.unit(), numbers.unit(), numbers.pair())
-            else {
+            let Some(sample) = sample_direct(&scene, point, &mut numbers) else {
                 continue;
             };
             let free = scene
@@ -166,12 +159,7 @@ fn emission_has_its_densities() {
         let mut directions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
         let mut positions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
         for _ in 0..samples {
-            let Some(sample) = scene.emitters.sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            ) else {
+            let Some(sample) = sample_emission(&scene, &mut numbers) else {
                 continue;
             };
             let i = sample.emitter as usize;
@@ -242,15 +230,7 @@ fn emission_is_uniform_on_surfaces() {
     let mut observed = vec![0; 24];
     let back = box_light().to_world.inverse();
     for _ in 0..samples {
-        let sample = scene
-            .emitters
-            .sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            )
-            .expect("a start");
+        let sample = sample_emission(&scene, &mut numbers).expect("a start");
         let local = back.transform_point3(sample.position.as_dvec3() * scene.unit + scene.center);
         let axis = local.abs().max_position();
         let [u, v] = [local[(axis + 1) % 3], local[(axis + 2) % 3]];
@@ -270,15 +250,7 @@ fn emission_is_uniform_on_surfaces() {
     let center = to_scene(&scene, DVec3::new(0.2, -0.1, 0.3));
     let mut observed = vec![0; ROWS * COLUMNS];
     for _ in 0..samples {
-        let sample = scene
-            .emitters
-            .sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            )
-            .expect("a start");
+        let sample = sample_emission(&scene, &mut numbers).expect("a start");
         observed[cell((sample.position - center).normalize())] += 1;
     }
     let expected = vec![f64::from(samples) / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
@@ -293,12 +265,7 @@ fn emission_weights_and_direct_densities_are_consistent() {
     for (name, scene, _) in extended_lights() {
         let mut numbers = Numbers::new(5);
         for _ in 0..5_000 {
-            let Some(sample) = scene.emitters.sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            ) else {
+            let Some(sample) = sample_emission(&scene, &mut numbers) else {
                 continue;
             };
             let point = sample.position + sample.direction * (0.1 + 50.0 * numbers.unit());

@@ -4,7 +4,6 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::scene::LightSample;
 use crate::statistics::Moments;
 
 fn check(name: &str, estimate: &Moments, expected: f64) {
@@ -28,13 +27,7 @@ fn irradiance(scene: &Scene, world: DVec3, normal: Vec3A, samples: u32) -> Momen
         f64::from(emission.radiance.y * sample.jacobian_direction * cos / emission.pdf_direct)
     };
     (0..samples)
-        .map(|_| {
-            let u = (numbers.unit(), numbers.unit(), numbers.pair());
-            scene
-                .emitters
-                .sample_direct(point, u.0, u.1, u.2)
-                .map_or(0.0, estimate)
-        })
+        .map(|_| sample_direct(scene, point, &mut numbers).map_or(0.0, estimate))
         .collect()
 }
 
@@ -185,15 +178,7 @@ fn mean_throughput_is_the_total_flux() {
         let mut numbers = Numbers::new(42);
         let estimate: Moments = (0..20_000)
             .map(|_| {
-                let u = (
-                    numbers.unit(),
-                    numbers.unit(),
-                    numbers.pair(),
-                    numbers.pair(),
-                );
-                scene
-                    .emitters
-                    .sample_emission(u.0, u.1, u.2, u.3)
+                sample_emission(&scene, &mut numbers)
                     .map_or(0.0, |sample| f64::from(sample.weight.y))
             })
             .collect();
@@ -211,15 +196,7 @@ fn flux_from_a_sphere_onto_a_disk() {
     let mut numbers = Numbers::new(43);
     let estimate: Moments = (0..100_000)
         .map(|_| {
-            let sample = scene
-                .emitters
-                .sample_emission(
-                    numbers.unit(),
-                    numbers.unit(),
-                    numbers.pair(),
-                    numbers.pair(),
-                )
-                .expect("a start");
+            let sample = sample_emission(&scene, &mut numbers).expect("a start");
             let origin = sample.position.as_dvec3() * scene.unit + scene.center;
             let direction = sample.direction.as_dvec3();
             let t = (height - origin.z) / direction.z;

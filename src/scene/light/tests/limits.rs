@@ -1,8 +1,8 @@
 //! Degenerate input: all numbers stay finite, and every emitter can be chosen.
 
 use super::*;
+use crate::scene::SceneError;
 use crate::scene::test_scenes::description;
-use crate::scene::{EmissionSample, LightSample, SceneError};
 
 fn is_finite(emission: &LightEvaluation) -> bool {
     emission.radiance.is_finite()
@@ -239,13 +239,7 @@ fn black_emitters_are_allowed() {
     let scene = scene(vec![emitting(floor(), Rgb::ZERO)], vec![black]);
     let mut numbers = Numbers::new(53);
     for _ in 0..100 {
-        let u = (
-            numbers.unit(),
-            numbers.unit(),
-            numbers.pair(),
-            numbers.pair(),
-        );
-        let start = scene.emitters.sample_emission(u.0, u.1, u.2, u.3);
+        let start = sample_emission(&scene, &mut numbers);
         assert!(start.is_none_or(|start| start.weight == Rgb::ZERO));
     }
 }

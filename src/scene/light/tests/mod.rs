@@ -12,8 +12,8 @@ use glam::{DMat4, DVec3, Vec3A};
 use crate::math::Rgb;
 use crate::scene::test_scenes::{Numbers, emitting, mesh, scene, shape, sphere};
 use crate::scene::{
-    EmitterDescription, LightEvaluation, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription,
-    ShapeGeometry, TriangleMesh,
+    EmissionSample, EmitterDescription, LightEvaluation, LightSample, Ray, RayCounts, SCENE_RADIUS,
+    Scene, ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 
 const RADIANCE: Rgb = Rgb::new(2.0, 3.0, 0.5);
@@ -141,4 +141,21 @@ fn light_hit(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(LightEval
         }
         None => Some((scene.emitters.evaluate_environment(direction)?, 1.0)),
     }
+}
+
+/// Samples the start of a light subpath with random numbers.
+fn sample_emission(scene: &Scene, numbers: &mut Numbers) -> Option<EmissionSample> {
+    let (u_light, u_primitive) = (numbers.unit(), numbers.unit());
+    let (u_position, u_direction) = (numbers.pair(), numbers.pair());
+    scene
+        .emitters
+        .sample_emission(u_light, u_primitive, u_position, u_direction)
+}
+
+/// Samples light for `point` with random numbers.
+fn sample_direct(scene: &Scene, point: Vec3A, numbers: &mut Numbers) -> Option<LightSample> {
+    let (u_light, u_primitive) = (numbers.unit(), numbers.unit());
+    scene
+        .emitters
+        .sample_direct(point, u_light, u_primitive, numbers.pair())
 }
