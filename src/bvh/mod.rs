@@ -98,7 +98,8 @@ impl Bvh {
     }
 
     /// The nearest hit of `ray`, if any.
-    #[inline]
+    // Inlined together with the traversal, so that the caller's use of a hit joins its computation.
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(&ray.advanced_to_primitives()?)
     }
@@ -110,6 +111,7 @@ impl Bvh {
             .is_some_and(|ray| self.any(&ray))
     }
 
+    #[inline(always)]
     fn nearest(&self, ray: &Ray) -> Option<Hit> {
         let transform = RayTransform::new(ray.origin, ray.direction);
         let mut barycentric = (0.0, 0.0);

@@ -22,6 +22,21 @@ pub enum Texture {
     },
 }
 
+/// A texture at texture coordinates, evaluated on demand.
+#[derive(Clone, Copy)]
+pub(super) struct TextureAt<'a> {
+    pub texture: &'a Texture,
+    pub uv: Vec2,
+}
+
+impl TextureAt<'_> {
+    /// The value.
+    #[inline]
+    pub fn color(&self) -> Rgb {
+        self.texture.evaluate(self.uv)
+    }
+}
+
 /// Interpolation between the centres of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {

@@ -5,15 +5,16 @@ use glam::{Vec2, Vec3A};
 use super::fresnel;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
 use crate::math::Rgb;
+use crate::scene::texture::TextureAt;
 
 /// `Material::Conductor` at a point.
-pub(super) struct ConductorBsdf {
+pub(super) struct ConductorBsdf<'a> {
     pub eta: Rgb,
     pub k: Rgb,
-    pub specular_reflectance: Rgb,
+    pub specular_reflectance: TextureAt<'a>,
 }
 
-impl Bsdf for ConductorBsdf {
+impl Bsdf for ConductorBsdf<'_> {
     const FLAGS: Flags = Flags::DELTA;
 
     #[inline]
@@ -25,7 +26,7 @@ impl Bsdf for ConductorBsdf {
     fn sample(&self, from: Vec3A, _: TransportMode, _: f32, _: Vec2) -> Option<BsdfSample> {
         (from.z > 0.0).then(|| {
             let fresnel = fresnel::conductor(from.z.min(1.0), self.eta, self.k);
-            BsdfSample::delta_reflection(from, self.specular_reflectance * fresnel, 1.0)
+            BsdfSample::delta_reflection(from, self.specular_reflectance.color() * fresnel, 1.0)
         })
     }
 }

@@ -5,17 +5,17 @@ use glam::{Vec2, Vec3A};
 
 use super::fresnel::{self, Interface};
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
-use crate::math::Rgb;
+use crate::scene::texture::TextureAt;
 
 /// `Material::Dielectric` at a point.
-pub(super) struct DielectricBsdf {
+pub(super) struct DielectricBsdf<'a> {
     /// Inside over outside.
     pub eta: f32,
-    pub specular_reflectance: Rgb,
-    pub specular_transmittance: Rgb,
+    pub specular_reflectance: TextureAt<'a>,
+    pub specular_transmittance: TextureAt<'a>,
 }
 
-impl Bsdf for DielectricBsdf {
+impl Bsdf for DielectricBsdf<'_> {
     const FLAGS: Flags = Flags::DELTA;
 
     #[inline]
@@ -33,7 +33,7 @@ impl Bsdf for DielectricBsdf {
         let eta = eta_across(self.eta, from);
         let Interface { reflectance, cos_t } = fresnel::dielectric(cos, eta);
         if u_lobe < reflectance {
-            let weight = reflectance * self.specular_reflectance;
+            let weight = reflectance * self.specular_reflectance.color();
             return Some(BsdfSample::delta_reflection(from, weight, reflectance));
         }
         let probability = 1.0 - reflectance;
@@ -45,7 +45,7 @@ impl Bsdf for DielectricBsdf {
         );
         Some(BsdfSample {
             direction: direction.normalize(),
-            weight: self.specular_transmittance * refraction_scale(mode, inv_eta),
+            weight: self.specular_transmittance.color() * refraction_scale(mode, inv_eta),
             pdf: probability,
             // The transmittance is the same from both sides: P_reverse = P.
             reverse_pdf: probability * inv_eta * inv_eta * cos / cos_t,

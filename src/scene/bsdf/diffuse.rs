@@ -5,15 +5,15 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3A};
 
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
-use crate::math::Rgb;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::scene::texture::TextureAt;
 
 /// `Material::Diffuse` at a point.
-pub(super) struct DiffuseBsdf {
-    pub reflectance: Rgb,
+pub(super) struct DiffuseBsdf<'a> {
+    pub reflectance: TextureAt<'a>,
 }
 
-impl Bsdf for DiffuseBsdf {
+impl Bsdf for DiffuseBsdf<'_> {
     const FLAGS: Flags = Flags::CONNECTIBLE;
 
     #[inline]
@@ -22,7 +22,7 @@ impl Bsdf for DiffuseBsdf {
             return BsdfEvaluation::ZERO;
         }
         BsdfEvaluation {
-            f: self.reflectance * FRAC_1_PI,
+            f: self.reflectance.color() * FRAC_1_PI,
             pdf_to_light: cosine_hemisphere_pdf(to_light.z),
             pdf_to_camera: cosine_hemisphere_pdf(to_camera.z),
         }

@@ -13,7 +13,7 @@ use super::rough_dielectric::{RoughDielectricBsdf, is_index_matched};
 use super::rough_plastic::{RoughPlastic, RoughPlasticBsdf};
 use super::substrate::Substrate;
 use crate::math::Rgb;
-use crate::scene::texture::Texture;
+use crate::scene::texture::{Texture, TextureAt};
 
 /// The material of a surface, named and parameterised as in Mitsuba 3. Reflectances are
 /// indices of textures; eta is the index of refraction inside over outside.
@@ -81,15 +81,15 @@ pub enum Material {
     },
 }
 
-/// Evaluates the first expression with `$bsdf` bound to the model of a material at a point, where `$color`
-/// looks up the textures; of a two-sided material, the second one with `$front` and `$back` bound to its
+/// Evaluates the first expression with `$bsdf` bound to the model of a material at a point, where `$at`
+/// binds textures to the point; of a two-sided material, the second one with `$front` and `$back` bound to its
 /// sides. A macro, so that each model is inlined into its arm.
 macro_rules! at_point {
-    ($material:expr, $color:ident, |$bsdf:ident| $one:expr, |$front:ident, $back:ident| $two:expr) => {
+    ($material:expr, $at:ident, |$bsdf:ident| $one:expr, |$front:ident, $back:ident| $two:expr) => {
         match $material {
             Material::Diffuse { reflectance } => {
                 let $bsdf = DiffuseBsdf {
-                    reflectance: $color(reflectance),
+                    reflectance: $at(reflectance),
                 };
                 $one
             }
@@ -101,7 +101,7 @@ macro_rules! at_point {
                 let $bsdf = ConductorBsdf {
                     eta: *eta,
                     k: *k,
-                    specular_reflectance: $color(specular_reflectance),
+                    specular_reflectance: $at(specular_reflectance),
                 };
                 $one
             }
@@ -116,7 +116,7 @@ macro_rules! at_point {
                     microfacets: Microfacets::new(*distribution, *alpha),
                     eta: *eta,
                     k: *k,
-                    specular_reflectance: $color(specular_reflectance),
+                    specular_reflectance: $at(specular_reflectance),
                 };
                 $one
             }
@@ -130,8 +130,8 @@ macro_rules! at_point {
                 let $bsdf = RoughDielectricBsdf {
                     microfacets: Microfacets::new(*distribution, *alpha),
                     eta: *eta,
-                    specular_reflectance: $color(specular_reflectance),
-                    specular_transmittance: $color(specular_transmittance),
+                    specular_reflectance: $at(specular_reflectance),
+                    specular_transmittance: $at(specular_transmittance),
                 };
                 $one
             }
@@ -148,24 +148,24 @@ macro_rules! at_point {
             } => {
                 let $bsdf = DielectricBsdf {
                     eta: *eta,
-                    specular_reflectance: $color(specular_reflectance),
-                    specular_transmittance: $color(specular_transmittance),
+                    specular_reflectance: $at(specular_reflectance),
+                    specular_transmittance: $at(specular_transmittance),
                 };
                 $one
             }
             Material::Plastic(plastic) => {
                 let $bsdf = PlasticBsdf {
                     plastic,
-                    diffuse: $color(&plastic.substrate.diffuse_reflectance),
-                    specular: $color(&plastic.substrate.specular_reflectance),
+                    diffuse: $at(&plastic.substrate.diffuse_reflectance),
+                    specular: $at(&plastic.substrate.specular_reflectance),
                 };
                 $one
             }
             Material::RoughPlastic(plastic) => {
                 let $bsdf = RoughPlasticBsdf {
                     plastic,
-                    diffuse: $color(&plastic.substrate.diffuse_reflectance),
-                    specular: $color(&plastic.substrate.specular_reflectance),
+                    diffuse: $at(&plastic.substrate.diffuse_reflectance),
+                    specular: $at(&plastic.substrate.specular_reflectance),
                 };
                 $one
             }
@@ -243,10 +243,13 @@ impl Material {
         to_light: Vec3A,
         to_camera: Vec3A,
     ) -> BsdfEvaluation {
-        let color = |texture: &u32| textures[*texture as usize].evaluate(uv);
+        let at = |texture: &u32| TextureAt {
+            texture: &textures[*texture as usize],
+            uv,
+        };
         at_point!(
             self,
-            color,
+            at,
             |bsdf| bsdf.evaluate(to_light, to_camera),
             |front, back| {
                 if to_camera.z > 0.0 {
@@ -270,10 +273,13 @@ impl Material {
         u_lobe: f32,
         u: Vec2,
     ) -> Option<BsdfSample> {
-        let color = |texture: &u32| textures[*texture as usize].evaluate(uv);
+        let at = |texture: &u32| TextureAt {
+            texture: &textures[*texture as usize],
+            uv,
+        };
         at_point!(
             self,
-            color,
+            at,
             |bsdf| bsdf.sample(from, mode, u_lobe, u),
             |front, back| {
                 if from.z > 0.0 {

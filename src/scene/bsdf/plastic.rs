@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3A};
 use super::fresnel;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
 use super::substrate::Substrate;
-use crate::math::Rgb;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::scene::texture::TextureAt;
 
 /// Parameters of [`super::Material::Plastic`], with derived constants.
 #[derive(Clone, Debug)]
@@ -30,8 +30,8 @@ impl Plastic {
 /// `Material::Plastic` at a point, with its two reflectances.
 pub(super) struct PlasticBsdf<'a> {
     pub plastic: &'a Plastic,
-    pub diffuse: Rgb,
-    pub specular: Rgb,
+    pub diffuse: TextureAt<'a>,
+    pub specular: TextureAt<'a>,
 }
 
 impl Bsdf for PlasticBsdf<'_> {
@@ -53,7 +53,7 @@ impl Bsdf for PlasticBsdf<'_> {
             (1.0 - substrate.specular_probability(reflectance)) * cosine_hemisphere_pdf(direction.z)
         };
         BsdfEvaluation {
-            f: substrate.albedo(self.diffuse, *internal_reflectance)
+            f: substrate.albedo(self.diffuse.color(), *internal_reflectance)
                 * ((1.0 - light) * (1.0 - camera) * FRAC_1_PI),
             pdf_to_light: pdf(camera, to_light),
             pdf_to_camera: pdf(light, to_camera),
@@ -69,7 +69,7 @@ impl Bsdf for PlasticBsdf<'_> {
         let fresnel = fresnel::dielectric(from.z.min(1.0), substrate.eta).reflectance;
         let probability = substrate.specular_probability(fresnel);
         if u_lobe < probability {
-            let weight = self.specular * fresnel;
+            let weight = self.specular.color() * fresnel;
             Some(BsdfSample::delta_reflection(from, weight, probability))
         } else {
             self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0)

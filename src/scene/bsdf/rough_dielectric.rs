@@ -7,7 +7,7 @@ use super::dielectric::eta_across;
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
-use crate::math::Rgb;
+use crate::scene::texture::TextureAt;
 
 /// Relative indices of refraction closer to 1 than this count as 1: the deflection is below the
 /// resolution of f32, and light passes straight through.
@@ -20,18 +20,17 @@ pub(super) fn is_index_matched(eta: f32) -> bool {
 }
 
 /// `Material::RoughDielectric` at a point, unless it is index-matched.
-pub(super) struct RoughDielectricBsdf {
+pub(super) struct RoughDielectricBsdf<'a> {
     pub microfacets: Microfacets,
     /// Inside over outside.
     pub eta: f32,
-    pub specular_reflectance: Rgb,
-    pub specular_transmittance: Rgb,
+    pub specular_reflectance: TextureAt<'a>,
+    pub specular_transmittance: TextureAt<'a>,
 }
 
-impl Bsdf for RoughDielectricBsdf {
+impl Bsdf for RoughDielectricBsdf<'_> {
     const FLAGS: Flags = Flags::CONNECTIBLE;
 
-    #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         if to_light.z == 0.0 || to_camera.z == 0.0 {
             return BsdfEvaluation::ZERO;
@@ -58,7 +57,7 @@ impl Bsdf for RoughDielectricBsdf {
             // f_r = F D G / (4 cos cos) (equation 20)
             let lobe = 0.25 * reflectance * d;
             BsdfEvaluation {
-                f: self.specular_reflectance * (lobe * light * camera),
+                f: self.specular_reflectance.color() * (lobe * light * camera),
                 pdf_to_light: lobe * camera,
                 pdf_to_camera: lobe * light,
             }
@@ -68,7 +67,7 @@ impl Bsdf for RoughDielectricBsdf {
             let root = camera_m + eta * light_m;
             let lobe = (1.0 - reflectance) * d * (light_m * camera_m).abs() / (root * root);
             BsdfEvaluation {
-                f: self.specular_transmittance * (lobe * light * camera),
+                f: self.specular_transmittance.color() * (lobe * light * camera),
                 pdf_to_light: lobe * camera * eta * eta,
                 pdf_to_camera: lobe * light,
             }
@@ -89,14 +88,19 @@ impl Bsdf for RoughDielectricBsdf {
         let cos = v.dot(m).clamp(0.0, 1.0);
         let across = eta_across(self.eta, from);
         let Interface { reflectance, cos_t } = fresnel::dielectric(cos, across);
-        let (direction, eta) = if u_lobe < reflectance {
+        if u_lobe < reflectance {
             let direction = 2.0 * cos * m - v;
-            (direction.z > 0.0).then_some((direction, 1.0))
+            if direction.z <= 0.0 {
+                return None;
+            }
+            self.density_sample(from, side * direction.normalize(), mode, 1.0)
         } else {
             let inv_eta = across.recip();
             let direction = (cos * inv_eta - cos_t) * m - v * inv_eta;
-            (direction.z < 0.0).then_some((direction, across))
-        }?;
-        self.density_sample(from, side * direction.normalize(), mode, eta)
+            if direction.z >= 0.0 {
+                return None;
+            }
+            self.density_sample(from, side * direction.normalize(), mode, across)
+        }
     }
 }

@@ -10,8 +10,8 @@ use super::microfacet::Microfacets;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
 use super::rough_reflection;
 use super::substrate::Substrate;
-use crate::math::Rgb;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::scene::texture::TextureAt;
 
 /// Entries of the tables over the cosine, equally spaced from 0 to 1.
 const TABLE_SIZE: usize = 64;
@@ -61,8 +61,8 @@ impl RoughPlastic {
 /// `Material::RoughPlastic` at a point, with its two reflectances.
 pub(super) struct RoughPlasticBsdf<'a> {
     pub plastic: &'a RoughPlastic,
-    pub diffuse: Rgb,
-    pub specular: Rgb,
+    pub diffuse: TextureAt<'a>,
+    pub specular: TextureAt<'a>,
 }
 
 impl Bsdf for RoughPlasticBsdf<'_> {
@@ -70,6 +70,7 @@ impl Bsdf for RoughPlasticBsdf<'_> {
 
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
+        let (diffuse, specular) = (self.diffuse.color(), self.specular.color());
         let microfacets = self.plastic.microfacets;
         let Some(coat) = rough_reflection::evaluate(microfacets, to_light, to_camera) else {
             return BsdfEvaluation::ZERO;
@@ -83,8 +84,8 @@ impl Bsdf for RoughPlasticBsdf<'_> {
             p * coat_pdf + (1.0 - p) * cosine_hemisphere_pdf(direction.z)
         };
         BsdfEvaluation {
-            f: self.specular * (fresnel * coat.f)
-                + substrate.albedo(self.diffuse, self.plastic.internal_reflectance)
+            f: specular * (fresnel * coat.f)
+                + substrate.albedo(diffuse, self.plastic.internal_reflectance)
                     * (light * camera * FRAC_1_PI),
             pdf_to_light: pdf(camera, coat.pdf_to_light, to_light),
             pdf_to_camera: pdf(light, coat.pdf_to_camera, to_camera),

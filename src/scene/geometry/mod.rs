@@ -35,6 +35,10 @@ impl Geometry {
     #[inline]
     pub fn intersect(&self, ray: &Ray, counts: &mut RayCounts) -> Option<SurfacePoint> {
         counts.closest_hit += 1;
+        self.nearest_point(ray)
+    }
+
+    fn nearest_point(&self, ray: &Ray) -> Option<SurfacePoint> {
         let hit = self.bvh.intersect(ray)?;
         Some(match hit.target {
             HitTarget::Triangle { triangle, b1, b2 } => {
