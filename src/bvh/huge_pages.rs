@@ -21,7 +21,7 @@ impl<T: Pod> HugePages<T> {
         // A map of no bytes is an error.
         let size = (count * size_of::<T>()).max(1);
         let bytes = MmapMut::map_anon(size).expect("memory for the geometry");
-        // The system may ignore or not know this advice, at a loss of speed only.
+        // The system may ignore or reject this advice, which costs only speed.
         #[cfg(all(target_os = "linux", not(miri)))]
         let _ = bytes.advise(memmap2::Advice::HugePage);
         Self {

@@ -12,7 +12,7 @@ fn is_hit(bvh: &Bvh, origin: Vec3A, direction: Vec3A) -> bool {
     bvh.intersect(&ray).is_some()
 }
 
-/// Rays from inside a closed mesh toward points on its edges and its vertices: none gets out.
+/// Rays from inside a closed mesh toward points on its edges and its vertices: none leaves it.
 #[test]
 fn closed_meshes_do_not_leak() {
     let center = Vec3A::new(40.0, -30.0, 20.0);
