@@ -52,7 +52,7 @@ fn bumpy_sphere() -> Scene {
         .expect("a valid scene")
 }
 
-/// Points that the camera sees, and points that are seen from those.
+/// Points that the camera sees, each with a direction for the next ray.
 fn points(scene: &Scene) -> Vec<(SurfacePoint, Vec3A)> {
     let mut rng = seeds::generator(1, Purpose::Probes, 0);
     let mut points = Vec::with_capacity(RAYS);

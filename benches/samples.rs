@@ -12,7 +12,7 @@ use metrolight::math::Rgb;
 use metrolight::render::SplatTarget;
 use metrolight::sampling::IndependentSampler;
 use metrolight::sampling::seeds::{self, Purpose};
-use metrolight::scene::bsdf::Distribution;
+use metrolight::scene::bsdf::MicrofacetDistribution;
 use metrolight::scene::{Material, Scene, Texture, TransportMode};
 
 fn load(name: &str) -> Scene {
@@ -61,7 +61,7 @@ fn bsdfs(c: &mut Criterion) {
     let textures = [Texture::Constant(Rgb::splat(0.7))];
     let eta = Rgb::new(0.2, 0.9, 1.1);
     let k = Rgb::new(3.9, 2.4, 2.1);
-    let ggx = Distribution::Ggx;
+    let ggx = MicrofacetDistribution::Ggx;
     let materials = [
         ("diffuse", Material::Diffuse { reflectance: 0 }),
         (
@@ -110,9 +110,8 @@ fn bsdfs(c: &mut Criterion) {
             });
         });
         group.bench_function(format!("{name} evaluate"), |bencher| {
-            bencher.iter(|| {
-                material.scattering(&textures, Vec2::ZERO, black_box(to), black_box(from))
-            });
+            bencher
+                .iter(|| material.evaluate(&textures, Vec2::ZERO, black_box(to), black_box(from)));
         });
     }
     group.finish();

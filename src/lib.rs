@@ -5,11 +5,12 @@
 //! or as the state of a Markov chain ([`markov`]). Modules use only what stands below them:
 //!
 //! `commands` > [`convergence`], [`diagnosis`] > [`render`] > [`analysis`], [`integrators`], [`markov`] >
-//! [`technique`] > [`path`] > [`mitsuba`] > [`scene`] > [`sampling`], [`metrics`] > [`film`] >
+//! [`technique`] > [`path`] > [`mitsuba`] > [`scene`] > [`bvh`], [`sampling`], [`metrics`] > [`film`] >
 //! [`plot`], [`statistics`], [`math`].
 #![deny(missing_docs)]
 
 pub mod analysis;
+pub mod bvh;
 pub mod convergence;
 pub mod diagnosis;
 mod fault;

@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3A};
 use metrolight::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
 use metrolight::path::{EnvironmentVertex, Vertex, dimensions};
 use metrolight::sampling::{IndependentSampler, Sampler};
-use metrolight::scene::{EmissionToward, Scene, SurfacePoint, TransportMode};
+use metrolight::scene::{LightEvaluation, Scene, SurfacePoint, TransportMode};
 use metrolight::technique::Technique;
 use proptest::prelude::*;
 use random::random_scene;
@@ -26,7 +26,7 @@ struct Emitter {
     direction: Vec3A,
     /// |cos| at x_0.
     cos: f64,
-    densities: EmissionToward,
+    densities: LightEvaluation,
     /// A camera subpath can hit it.
     can_be_hit: bool,
 }
@@ -94,7 +94,7 @@ impl WholePath<'_> {
                 return (f64::from(sample.pdf), f64::from(sample.reverse_pdf), true);
             }
         }
-        let s = material.scattering(&self.scene.textures, surface.uv, to_light, to_camera);
+        let s = material.evaluate(&self.scene.textures, surface.uv, to_light, to_camera);
         (f64::from(s.pdf_to_light), f64::from(s.pdf_to_camera), false)
     }
 
@@ -212,7 +212,10 @@ fn hit_emitter(
 ) -> Emitter {
     if t - 1 > camera.len() {
         let vertex = environment.expect("a hit beyond the last vertex is one of the environment");
-        let densities = scene.emitters.escape(vertex.direction).unwrap();
+        let densities = scene
+            .emitters
+            .evaluate_environment(vertex.direction)
+            .unwrap();
         let direction = vertex.direction;
         return Emitter {
             position: None,
@@ -231,7 +234,7 @@ fn hit_emitter(
         position: Some(surface.position),
         direction,
         cos: f64::from(surface.geometric_normal.dot(direction).abs()),
-        densities: scene.emitters.hit(&surface, from).unwrap(),
+        densities: scene.emitters.evaluate_surface(&surface, from).unwrap(),
         can_be_hit: true,
     }
 }
@@ -242,30 +245,30 @@ fn sampled_emitter(
     i: usize,
     sampler: &mut IndependentSampler,
 ) -> Emitter {
-    let [choose, part, u, v] = sampler.get(dimensions::next_event(i));
+    let [u_light, u_primitive, x, y] = sampler.get(dimensions::next_event(i));
     let from = z.surface.position;
     let direct = scene
         .emitters
-        .sample_direct(from, choose, part, Vec2::new(u, v))
+        .sample_direct(from, u_light, u_primitive, Vec2::new(x, y))
         .unwrap();
-    let distance_squared = 1.0 / f64::from(direct.spread);
-    let infinite = direct.spread == 1.0;
+    let distance_squared = 1.0 / f64::from(direct.jacobian_area);
+    let infinite = direct.jacobian_area == 1.0;
     Emitter {
         position: (!infinite).then(|| from + direct.direction * (distance_squared.sqrt() as f32)),
         direction: direct.direction,
-        cos: f64::from(direct.geometry) * distance_squared,
+        cos: f64::from(direct.jacobian_direction) * distance_squared,
         densities: direct.emission,
         can_be_hit: !direct.delta,
     }
 }
 
 fn emitting(scene: &Scene, first: Vec3A, sampler: &mut IndependentSampler) -> Emitter {
-    let [choose, part, x, y, a, b] = sampler.get(dimensions::EMISSION);
+    let [u_light, u_primitive, x, y, a, b] = sampler.get(dimensions::EMISSION);
     let sample = scene
         .emitters
-        .sample_emission(choose, part, Vec2::new(x, y), Vec2::new(a, b))
+        .sample_emission(u_light, u_primitive, Vec2::new(x, y), Vec2::new(a, b))
         .unwrap();
-    let densities = EmissionToward {
+    let densities = LightEvaluation {
         radiance: sample.weight,
         pdf_direct: scene.emitters.direct_pdf(&sample, first),
         pdf_position: sample.pdf_position,

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The crates below the acceleration structure (its construction, SIMD vectors, memory maps) are the only
-# part of a render with `unsafe` code. This builds and traverses hierarchies under AddressSanitizer, which
-# finds accesses out of bounds and is fast enough for all tests of the geometry, and under Miri, which
-# finds all undefined behaviour, for a small hierarchy.
+# The crates that the acceleration structure uses (its construction, SIMD vectors, memory maps) are the
+# only part of a render with `unsafe` code. This script builds and traverses hierarchies under two tools
+# that detect reads and writes out of bounds: AddressSanitizer, fast enough for all tests of the hierarchy
+# and the geometry, and Miri, which detects all undefined behaviour, for a small hierarchy.
 #
 #     tests/sanitize.sh [address|miri]
 #
@@ -12,15 +12,15 @@ cd "$(dirname "$0")/.."
 target=x86_64-unknown-linux-gnu
 
 address() {
-    # A target directory of its own: other builds cannot use these objects.
+    # A folder of its own, since no other build can use these objects.
     RUSTFLAGS="-Zsanitizer=address -Ctarget-cpu=native" CARGO_TARGET_DIR=target/sanitize \
-        cargo +nightly test --release --target "$target" --lib geometry
+        cargo +nightly test --release --target "$target" --lib -- bvh geometry
 }
 
 miri() {
-    # The thread pool leaks, casts integers to pointers, and has a thread list that Stacked Borrows forbids.
-    # The hierarchy needs exp2 of integers to be exact, as it is on all known systems; Miri would add a
-    # rounding error, since no standard guarantees it.
+    # The thread pool is the source of the leaks, of the integers cast to pointers, and of the list of
+    # threads that Stacked Borrows forbids. The hierarchy needs exp2 of whole numbers to be exact, as it is
+    # on all known systems; Miri would add a rounding error, since no standard forbids it.
     MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-permissive-provenance \
         -Zmiri-tree-borrows -Zmiri-deterministic-floats" \
         RAYON_NUM_THREADS=1 RUSTFLAGS="" CARGO_TARGET_DIR=target/sanitize \

@@ -1,4 +1,4 @@
-//! Scenes that are nothing but shapes: what rays are timed on.
+//! Scenes for benchmarks of rays.
 
 use glam::{DMat4, DVec3};
 use metrolight::film::Filter;
@@ -34,7 +34,7 @@ pub fn description(z: f64, fov_x: f64, shapes: Vec<ShapeDescription>) -> SceneDe
     }
 }
 
-/// The same radiance from everywhere.
+/// The same radiance from all directions.
 pub fn white_sky() -> EmitterDescription {
     EmitterDescription::Constant { radiance: Rgb::ONE }
 }

@@ -1,4 +1,4 @@
-//! Embree, in a process of its own that takes turns with this one.
+//! Embree, in a process of its own that runs alternately with this one.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -30,7 +30,7 @@ impl Embree {
         }
     }
 
-    /// Seconds that it takes to do `verb` with the rays in the file `name`.
+    /// Seconds that the command `verb` takes with the rays in the file `name`.
     pub fn time(&mut self, verb: &str, name: &str) -> f64 {
         writeln!(self.commands, "{verb} {name}").expect("Embree runs");
         let mut answer = String::new();
@@ -39,7 +39,7 @@ impl Embree {
         seconds.expect("a number of seconds")
     }
 
-    /// The distance to the first hit of each ray, or of shadow rays 0 for a hit; infinite without one.
+    /// The distance to the first hit of each ray, for shadow rays 0; infinite without a hit.
     pub fn found(&mut self, verb: &str, name: &str) -> Vec<f32> {
         self.time(verb, name);
         let bytes = fs::read(self.directory.join(format!("{name}.found"))).expect("written");
@@ -50,13 +50,13 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // It would end with its input as well, but only after the directory is gone.
+        // The end of its input would end it too, but only after the directory is removed.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Writes floats as Embree's side reads them.
+/// Writes floats in the format of `rays.cpp`.
 pub fn write(path: &Path, floats: impl Iterator<Item = f32>) {
     let bytes: Vec<u8> = floats.flat_map(f32::to_le_bytes).collect();
     fs::write(path, bytes).expect("a directory to write to");

@@ -1,9 +1,9 @@
-//! Metrolight's rays per second beside those of Embree 3: the same triangles and the same rays, on one
-//! thread, in turns. `benches/embree/run.sh` compiles Embree's side and runs this.
+//! Compares Metrolight's rays per second with those of Embree 3: the same triangles and the same rays, on
+//! one thread, in alternating runs. `benches/embree/run.sh` compiles the program that calls Embree and runs
+//! this benchmark.
 //!
-//! What is timed is what a renderer calls. Metrolight answers a closest-hit query with position, normals,
-//! frame and texture coordinates; Embree with distance, barycentric coordinates and an unnormalised
-//! normal.
+//! The queries are those of a renderer. Metrolight returns position, normals, frame and texture coordinates
+//! of the closest hit; Embree returns distance, barycentric coordinates and an unnormalised normal.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -22,14 +22,14 @@ use scenes::Subject;
 /// Rays of each kind.
 const RAYS: usize = 1 << 17;
 
-/// Turns of each side; the first is not counted.
-const TURNS: usize = 12;
+/// Runs of each program; the first is not counted.
+const RUNS: usize = 12;
 
 /// Rays to edges and corners.
 const EDGES: usize = 1 << 20;
 
-/// Distances that differ by more than this are two hits.
-const SAME: f32 = 1e-5 * SCENE_RADIUS;
+/// Distances that differ by more than this belong to different hits.
+const TOLERANCE: f32 = 1e-5 * SCENE_RADIUS;
 
 /// Embree's modes.
 const MODES: [&str; 2] = ["default", "robust"];
@@ -38,7 +38,9 @@ fn main() {
     // Cargo adds `--bench`.
     let program = std::env::args().skip(1).find(|arg| !arg.starts_with("--"));
     let Some(program) = program.map(PathBuf::from) else {
-        println!("embree: left out; benches/embree/run.sh compiles the other side and runs it");
+        println!(
+            "embree: skipped; benches/embree/run.sh compiles the program that calls Embree and runs this benchmark"
+        );
         return;
     };
     println!(
@@ -64,15 +66,15 @@ fn compare(program: &Path, subject: &Subject) {
     for rays in rays::of_transport(&subject.scene, RAYS) {
         embree::write(&directory.path().join(rays.name), rays.floats());
         let verb = if rays.shadow { "shadow" } else { "closest" };
-        let mut turns = Vec::new();
-        for _ in 0..TURNS {
+        let mut runs = Vec::new();
+        for _ in 0..RUNS {
             let start = seconds();
             rays.trace(&subject.scene);
             let own = seconds() - start;
             let [a, b] = &mut others;
-            turns.push([own, a.time(verb, rays.name), b.time(verb, rays.name)]);
+            runs.push([own, a.time(verb, rays.name), b.time(verb, rays.name)]);
         }
-        let row = row(&rays, &turns[1..]);
+        let row = row(&rays, &runs[1..]);
         let differ = differ(subject, &rays, &mut others[1]);
         let (name, triangles) = (&subject.name, subject.triangles.len());
         println!(
@@ -82,7 +84,7 @@ fn compare(program: &Path, subject: &Subject) {
     }
 }
 
-/// Of this thread, so that it matters little what else the machine does.
+/// CPU time of this thread, which depends little on the load of the machine.
 fn seconds() -> f64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
@@ -94,24 +96,21 @@ fn start(program: &Path, directory: &Path, subject: &Subject) -> [Embree; 2] {
     MODES.map(|mode| Embree::start(program, directory, mode))
 }
 
-/// Rates of all three, and the median ratio of a turn, with the least and the greatest.
-fn row(rays: &Rays, turns: &[[f64; 3]]) -> String {
+/// Rates of all three, and the median ratio of a run, with the minimum and the maximum.
+fn row(rays: &Rays, runs: &[[f64; 3]]) -> String {
     let rate = |side: usize| {
-        let [_, median, _] = spread(turns.iter().map(|turn| turn[side]));
+        let [_, median, _] = extremes(runs.iter().map(|run| run[side]));
         1e-6 * rays.rays.len() as f64 / median
     };
     let ratio = |side: usize| {
-        let [least, median, greatest] = spread(turns.iter().map(|turn| turn[side] / turn[0]));
-        format!(
-            "{:.2} | **{median:.2}** ({least:.2} to {greatest:.2})",
-            rate(side)
-        )
+        let [min, median, max] = extremes(runs.iter().map(|run| run[side] / run[0]));
+        format!("{:.2} | **{median:.2}** ({min:.2} to {max:.2})", rate(side))
     };
     format!("{:.2} | {} | {}", rate(0), ratio(1), ratio(2))
 }
 
-/// The least, the median and the greatest.
-fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
+/// Minimum, median and maximum.
+fn extremes(values: impl Iterator<Item = f64>) -> [f64; 3] {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     [
@@ -121,17 +120,22 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
     ]
 }
 
-/// The share of rays that meet something else, or nothing where the other meets something.
+/// Fraction of rays whose hit differs from that of the other program, or which only one of them finds.
 fn differ(subject: &Subject, rays: &Rays, other: &mut Embree) -> f64 {
     let verb = if rays.shadow { "check" } else { "find" };
     let own = rays.found(&subject.scene);
     let pairs = own.iter().zip(other.found(verb, rays.name));
-    let differ = pairs
-        .filter(|&(&a, b)| a != b && (a - b).abs().partial_cmp(&SAME).is_none_or(|o| o.is_gt()));
+    let differ = pairs.filter(|&(&a, b)| {
+        a != b
+            && (a - b)
+                .abs()
+                .partial_cmp(&TOLERANCE)
+                .is_none_or(|o| o.is_gt())
+    });
     differ.count() as f64 / own.len() as f64
 }
 
-/// How many rays get out of a closed mesh.
+/// Prints the number of rays that leave a closed mesh.
 fn leaks(program: &Path) {
     let subject = scenes::ball(60);
     let directory = tempfile::tempdir().expect("a temporary directory");

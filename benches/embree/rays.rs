@@ -1,4 +1,4 @@
-//! Rays as light transport has them.
+//! Rays as in light transport.
 
 use std::hint::black_box;
 
@@ -14,7 +14,7 @@ use crate::scenes::Subject;
 /// Rays of one kind: origins and directions, or pairs of points.
 pub struct Rays {
     pub name: &'static str,
-    /// Whether they ask for what is between two points only.
+    /// Whether they are shadow rays between two points.
     pub shadow: bool,
     pub rays: Vec<(Vec3A, Vec3A)>,
 }
@@ -22,8 +22,8 @@ pub struct Rays {
 /// Bounces of a walk.
 const BOUNCES: usize = 4;
 
-/// At most `count` rays of each kind: from the camera through random pixels, on from what they meet in
-/// cosine-distributed directions, and between random pairs of the points met on the way.
+/// At most `count` rays of each kind: from the camera through random pixels, from their hits in
+/// cosine-distributed directions, and between random pairs of the points that are hit.
 pub fn of_transport(scene: &Scene, count: usize) -> [Rays; 3] {
     let mut rng = seeds::generator(1, Purpose::Probes, 0);
     let mut camera = Vec::new();
@@ -62,7 +62,7 @@ pub fn of_transport(scene: &Scene, count: usize) -> [Rays; 3] {
     ]
 }
 
-/// Rays from within a closed mesh to its very corners and edges.
+/// Rays from inside a closed mesh toward its corners and edges.
 pub fn to_edges(subject: &Subject, count: usize) -> Rays {
     let mut rng = seeds::generator(1, Purpose::Probes, 2);
     let mut toward = |i: usize| {
@@ -94,14 +94,14 @@ fn infinite(origin: Vec3A, direction: Vec3A) -> Ray {
 }
 
 impl Rays {
-    /// As Embree's side reads them.
+    /// In the format of `rays.cpp`.
     pub fn floats(&self) -> impl Iterator<Item = f32> {
         self.rays
             .iter()
             .flat_map(|(a, b)| a.to_array().into_iter().chain(b.to_array()))
     }
 
-    /// Traces all by Metrolight; the number of hits.
+    /// Traces all rays with Metrolight and returns the number of hits.
     pub fn trace(&self, scene: &Scene) -> usize {
         let mut counts = RayCounts::default();
         let rays = self.rays.iter();
@@ -117,7 +117,7 @@ impl Rays {
         }
     }
 
-    /// What Metrolight finds, as [`crate::embree::Embree::found`].
+    /// The hits of Metrolight, as [`crate::embree::Embree::found`].
     pub fn found(&self, scene: &Scene) -> Vec<f32> {
         let mut counts = RayCounts::default();
         let mut distance = |&(a, b): &(Vec3A, Vec3A)| {

@@ -1,4 +1,4 @@
-//! Triangles to shoot at.
+//! Scenes for rays.
 
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub struct Subject {
 
 impl Subject {
     fn new(name: &str, description: SceneDescription) -> Self {
-        let placed: Vec<_> = description
+        let meshes: Vec<_> = description
             .shapes
             .iter()
             .filter_map(|shape| match &shape.geometry {
@@ -28,11 +28,11 @@ impl Subject {
             })
             .collect();
         let scene = description.build().expect("a valid scene");
-        // As `SceneDescription::build` does, to the bit.
+        // The same arithmetic as in `SceneDescription::build`.
         let to_scene = DMat4::from_scale(DVec3::splat(1.0 / scene.unit))
             * DMat4::from_translation(-scene.center);
         let mut triangles = Vec::new();
-        for (mesh, to_world) in placed {
+        for (mesh, to_world) in meshes {
             let place = |v: u32| {
                 let p = DVec3::from_array(mesh.positions[v as usize].map(f64::from));
                 let p = (to_scene * to_world).transform_point3(p);
@@ -61,7 +61,7 @@ pub fn of_repository(name: &str) -> Subject {
     Subject::new(name, description)
 }
 
-/// 26 bumpy balls of `2 n (n - 1)` triangles each, of all sizes, some within others, in a closed room.
+/// 26 bumpy balls of `2 n (n - 1)` triangles each, of various sizes and overlapping, in a closed room.
 pub fn clutter(name: &str, n: u32) -> Subject {
     let mut rng = seeds::generator(1, Purpose::Probes, 1);
     let mut shapes = vec![shape(TriangleMesh::cube(), DMat4::IDENTITY)];
@@ -86,7 +86,7 @@ pub fn ball(n: u32) -> Subject {
     Subject::new("ball", description(-0.99, 70.0, shapes))
 }
 
-/// Closed to the bit: neighbours share their vertices, at the poles and along the seam as well.
+/// Exactly closed: adjacent triangles share their vertices, also at the poles and along the seam.
 fn bumpy_ball(n: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     mesh.positions.push([0.0, 0.0, 1.0]);

@@ -55,18 +55,18 @@ fn visible_light<S: Sampler>(
     sampler: &mut S,
     rays: &mut RayCounts,
 ) -> Option<(Vec2, Connection)> {
-    let [choose, part, u, v] = sampler.get::<4>(dimensions::next_event(0));
+    let [u_light, u_primitive, x, y] = sampler.get::<4>(dimensions::next_event(0));
     let lens = lens_point(scene, 0, sampler);
     let from = scene.camera.lens_position(lens);
     let direct = scene
         .emitters
-        .sample_direct(from, choose, part, Vec2::new(u, v))
+        .sample_direct(from, u_light, u_primitive, Vec2::new(x, y))
         .filter(|direct| !direct.delta)?;
     let film = scene.camera.film_position(direct.direction, lens)?;
     let emission = &direct.emission;
     // The lens measures radiance with importance p_w per steradian.
     let importance = scene.camera.direction_pdf(direct.direction);
-    let value = emission.radiance * (importance * direct.geometry / emission.pdf_direct);
+    let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
     let (near, far) = scene
         .camera
         .visible_segment(from, direct.direction, direct.target)?;

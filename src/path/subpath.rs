@@ -138,10 +138,11 @@ pub fn trace_light_subpath<S: Sampler>(
     if max_vertices == 0 {
         return;
     }
-    let [choose, part, x, y, a, b] = sampler.get::<6>(dimensions::EMISSION);
-    let sample = scene
-        .emitters
-        .sample_emission(choose, part, Vec2::new(x, y), Vec2::new(a, b));
+    let [u_light, u_primitive, x, y, a, b] = sampler.get::<6>(dimensions::EMISSION);
+    let sample =
+        scene
+            .emitters
+            .sample_emission(u_light, u_primitive, Vec2::new(x, y), Vec2::new(a, b));
     let Some(sample) = sample else { return };
     let ray = Ray {
         origin: sample.origin,

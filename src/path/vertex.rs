@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::mis::PartialMis;
 use crate::fault::{Fault, planted};
 use crate::math::Rgb;
-use crate::scene::{Scattering, Scene, SurfacePoint, TransportMode};
+use crate::scene::{BsdfEvaluation, Scene, SurfacePoint, TransportMode};
 
 /// A surface vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub struct Vertex {
     pub mis: PartialMis,
 }
 
-/// Scattering at a vertex between its predecessor and the direction of a connection.
+/// BsdfEvaluation at a vertex between its predecessor and the direction of a connection.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
     /// f times the cosines that the geometric term leaves to this vertex: for a camera vertex
@@ -85,11 +85,11 @@ impl Vertex {
         let cos = self.abs_cos(direction);
         match mode {
             TransportMode::Radiance => {
-                let Scattering {
+                let BsdfEvaluation {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.scattering(&scene.textures, surface.uv, next, previous);
+                } = material.evaluate(&scene.textures, surface.uv, next, previous);
                 Scatter {
                     value: f * next.z.abs(),
                     pdf_forward: pdf_to_light,
@@ -98,11 +98,11 @@ impl Vertex {
                 }
             }
             TransportMode::Importance => {
-                let Scattering {
+                let BsdfEvaluation {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.scattering(&scene.textures, surface.uv, previous, next);
+                } = material.evaluate(&scene.textures, surface.uv, previous, next);
                 Scatter {
                     value: f * (cos * self.shading_over_geometric_cos(previous.z)),
                     pdf_forward: pdf_to_camera,

@@ -1,11 +1,12 @@
-//! Maps from the unit square to the domains that light transport samples, each with its density.
+//! Maps from the unit square to the domains that are sampled, with their densities.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{Vec2, Vec3A};
 
 /// Uniform on the unit disk, by the concentric map of Shirley and Chiu (1997, "A low distortion
-/// map between disk and square"): continuous, so that a small step in the square is one on the disk.
+/// map between disk and square"). It is continuous, so that small changes in the square are small on the
+/// disk.
 #[inline]
 pub fn square_to_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
@@ -25,7 +26,7 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
 #[inline]
 pub fn square_to_cosine_hemisphere(u: Vec2) -> Vec3A {
     let d = square_to_disk(u);
-    // A direction in the tangent plane would have density 0: keep clear of it.
+    // Not in the tangent plane, where the density is 0.
     let z = (1.0 - d.length_squared()).max(1e-12).sqrt();
     Vec3A::new(d.x, d.y, z)
 }

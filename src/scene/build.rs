@@ -1,42 +1,42 @@
-//! From a scene's description to the scene: world coordinates to scene units, once and in f64, so
-//! that neither the scale of a scene nor its distance from the origin costs precision.
+//! Builds a scene from its description. World coordinates are converted to scene units once and in f64,
+//! so that neither the scale of a scene nor its distance from the origin costs precision.
 
 use glam::{DMat3, DMat4, DVec3};
 
 use super::camera::Camera;
-use super::geometry::{Geometry, GeometryBuilder, PlacedSurface};
+use super::geometry::{Geometry, GeometryBuilder, ShapeSurface};
 use super::light::{
-    AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap,
+    AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap, PointEmitter,
 };
 use super::{
-    EmitterDescription, FARTHEST, SCENE_RADIUS, Scene, SceneDescription, SceneError,
+    EmitterDescription, MAX_DISTANCE, SCENE_RADIUS, Scene, SceneDescription, SceneError,
     ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
-use crate::sampling::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MAX_OUTCOMES;
 
-/// Relative deviation from a similarity that a transform may have by the rounding of its numbers in a
-/// scene file.
+/// Relative deviation from a similarity transform that the rounding of numbers in a scene file may
+/// cause.
 const SIMILARITY_TOLERANCE: f64 = 1e-4;
 
-/// Coordinates of a scene file stay below this in size and its scene has at least that radius, in
-/// its own unit of length. Between them intensities over the square of a scene unit, from 1e-15 to
-/// 1e12 in size, are far from the ends of f32, and nothing that is computed in f64 overflows.
-const LARGEST: f64 = 1e15;
-const SMALLEST: f64 = 1e-12;
+/// Upper bound on the absolute value of coordinates, and lower bound on the radius of the scene, both in
+/// the unit of length of the scene file. A scene unit is then between 1e-15 and 1e12 of these: intensities
+/// over its square are within the range of f32, and nothing that is computed in f64 overflows.
+const MAX_COORDINATE: f64 = 1e15;
+const MIN_RADIUS: f64 = 1e-12;
 
 impl SceneDescription {
     /// The scene, ready to be rendered. Materials and textures are taken as they are.
     ///
     /// # Errors
-    /// If a transform is singular, or stretches a sphere or environment; if an area emitter has no
-    /// area; if there is no emitter, or more than one environment; if coordinates are too large, or
-    /// the scene is too small, for f32.
+    /// If a transform is singular, or stretches a sphere or environment; if an area emitter has no area
+    /// or too many triangles; if an environment image has a wrong size; if there is no emitter, or more
+    /// than one environment; if coordinates are too large or the scene is too small.
     pub fn build(self) -> Result<Scene, SceneError> {
         for shape in &self.shapes {
             check_transform(shape)?;
         }
-        check_places(&self)?;
+        check_coordinates(&self)?;
         let units = Units::of(&self.shapes)?;
         let aspect = f64::from(self.film.width) / f64::from(self.film.height);
         let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
@@ -48,7 +48,7 @@ impl SceneDescription {
         let geometry = geometry.build();
         let mut emitters = area_emitters(&geometry, &emissions)?;
         for emitter in self.emitters {
-            emitters.push(place_emitter(emitter, &units)?);
+            emitters.push(build_emitter(emitter, &units)?);
         }
         Ok(Scene {
             camera,
@@ -64,20 +64,20 @@ impl SceneDescription {
     }
 }
 
-/// How world coordinates become scene units: p to (p - `center`) / `unit`.
+/// The conversion of world coordinates to scene units: p becomes (p - `center`) / `unit`.
 struct Units {
     center: DVec3,
     unit: f64,
 }
 
 impl Units {
-    /// Those in which the shapes have a bounding sphere of [`SCENE_RADIUS`] around the origin. A
-    /// scene without extent keeps its own units.
+    /// The units in which the bounding sphere of the shapes has its centre at the origin and the radius
+    /// [`SCENE_RADIUS`]. A scene without extent keeps the units of its file.
     fn of(shapes: &[ShapeDescription]) -> Result<Self, SceneError> {
         let mut min = DVec3::INFINITY;
         let mut max = DVec3::NEG_INFINITY;
         for shape in shapes {
-            for_each_extreme(shape, |center, radius| {
+            for_each_bounding_sphere(shape, |center, radius| {
                 min = min.min(center - radius);
                 max = max.max(center + radius);
             });
@@ -89,17 +89,17 @@ impl Units {
         };
         let mut bounding_radius: f64 = 0.0;
         for shape in shapes {
-            for_each_extreme(shape, |extreme, radius| {
-                bounding_radius = bounding_radius.max(extreme.distance(center) + radius);
+            for_each_bounding_sphere(shape, |point, radius| {
+                bounding_radius = bounding_radius.max(point.distance(center) + radius);
             });
         }
         if bounding_radius == 0.0 {
             return Ok(Self { center, unit: 1.0 });
         }
-        if bounding_radius < SMALLEST {
+        if bounding_radius < MIN_RADIUS {
             return Err(SceneError::TooSmall {
                 radius: bounding_radius,
-                smallest: SMALLEST,
+                min: MIN_RADIUS,
             });
         }
         let unit = bounding_radius / f64::from(SCENE_RADIUS);
@@ -111,19 +111,20 @@ impl Units {
         (p - self.center) / self.unit
     }
 
-    /// A shape's own coordinates to scene units.
-    fn placed(&self, to_world: &DMat4) -> DMat4 {
+    /// The transform of a shape's own coordinates to scene units.
+    fn shape_to_scene(&self, to_world: &DMat4) -> DMat4 {
         DMat4::from_scale(DVec3::splat(1.0 / self.unit))
             * DMat4::from_translation(-self.center)
             * *to_world
     }
 }
 
-/// Calls `visit` with spheres in the world (points have radius 0) that together bound the shape.
-fn for_each_extreme(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64)) {
+/// Calls `visit` with spheres, in world coordinates, that together bound the shape; points are spheres of
+/// radius 0.
+fn for_each_bounding_sphere(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64)) {
     match &shape.geometry {
         ShapeGeometry::Mesh(mesh) => {
-            // Only what triangles use: a stray vertex must not shrink the scene.
+            // Only vertices of triangles: an unused vertex must not shrink the scene.
             for &vertex in mesh.triangles.iter().flatten() {
                 let p = DVec3::from_array(mesh.positions[vertex as usize].map(f64::from));
                 visit(shape.to_world.transform_point3(p), 0.0);
@@ -139,26 +140,26 @@ fn for_each_extreme(shape: &ShapeDescription, mut visit: impl FnMut(DVec3, f64))
     }
 }
 
-/// Checks that shapes, emitters and the sensor are at places that can be computed with.
-fn check_places(description: &SceneDescription) -> Result<(), SceneError> {
-    let check = |name: &str, farthest: f64| {
-        // Not a comparison with `>=`: NaN is too large as well.
-        if farthest < LARGEST {
+/// Checks that the coordinates of shapes, emitters and the sensor are below [`MAX_COORDINATE`].
+fn check_coordinates(description: &SceneDescription) -> Result<(), SceneError> {
+    let check = |name: &str, coordinate: f64| {
+        // Not `>=`, so that NaN is an error too.
+        if coordinate < MAX_COORDINATE {
             return Ok(());
         }
         Err(SceneError::TooLarge {
             name: name.into(),
-            coordinate: farthest,
-            largest: LARGEST,
+            coordinate,
+            limit: MAX_COORDINATE,
         })
     };
     for shape in &description.shapes {
-        let mut farthest: f64 = 0.0;
-        for_each_extreme(shape, |center, radius| {
+        let mut largest: f64 = 0.0;
+        for_each_bounding_sphere(shape, |center, radius| {
             let reach = center.abs().max_element() + radius;
-            farthest = farthest.max(if reach.is_nan() { f64::INFINITY } else { reach });
+            largest = largest.max(if reach.is_nan() { f64::INFINITY } else { reach });
         });
-        check(&shape.name, farthest)?;
+        check(&shape.name, largest)?;
     }
     for emitter in &description.emitters {
         if let EmitterDescription::Point { position, .. } = emitter {
@@ -169,7 +170,8 @@ fn check_places(description: &SceneDescription) -> Result<(), SceneError> {
     check("sensor", camera.abs().max_element())
 }
 
-/// Checks that a shape's transform has an inverse, and is a similarity if the shape is a sphere.
+/// Checks that the transform of a shape has an inverse, and that the transform of a sphere is a
+/// similarity.
 fn check_transform(shape: &ShapeDescription) -> Result<(), SceneError> {
     let name = || shape.name.clone();
     let linear = DMat3::from_mat4(shape.to_world);
@@ -191,7 +193,7 @@ fn check_transform(shape: &ShapeDescription) -> Result<(), SceneError> {
     }
 }
 
-/// The orthogonal matrix that `linear` is a positive multiple of, if it is one.
+/// The orthogonal matrix of which `linear` is a positive multiple; `None` if there is none.
 fn orthogonal(linear: DMat3) -> Option<DMat3> {
     let scale = linear.determinant().abs().cbrt();
     let unit = linear * (1.0 / scale);
@@ -207,14 +209,14 @@ fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuil
         flip_normals,
         ..
     } = shape;
-    let to_scene = units.placed(&shape.to_world);
+    let to_scene = units.shape_to_scene(&shape.to_world);
     match shape.geometry {
         ShapeGeometry::Mesh(mesh) => {
-            let mesh = place_mesh(mesh, &to_scene);
+            let mesh = transform_mesh(mesh, &to_scene);
             geometry.add_mesh(name, material, flip_normals, mesh);
         }
         ShapeGeometry::Sphere { center, radius } => {
-            // A negative radius is a reflection in the centre, as in Mitsuba.
+            // A negative radius reflects the sphere in its centre, as in Mitsuba.
             let linear = DMat3::from_mat4(to_scene) * radius;
             let inward = flip_normals != (linear.determinant() < 0.0);
             let center = to_scene.transform_point3(center).as_vec3a();
@@ -226,7 +228,7 @@ fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuil
     }
 }
 
-/// The shapes that shine; `emissions` are the radiances of all shapes.
+/// The shapes that emit, as emitters; `emissions` are the radiances of all shapes.
 fn area_emitters(
     geometry: &Geometry,
     emissions: &[Option<Rgb>],
@@ -236,12 +238,12 @@ fn area_emitters(
     for ((shape, surface), emission) in (0..).zip(surfaces).zip(emissions) {
         let &Some(radiance) = emission else { continue };
         let name = || geometry.shape_name(shape).to_owned();
-        if let PlacedSurface::Triangles(triangles) = &surface
-            && triangles.len() > MOST_OUTCOMES
+        if let ShapeSurface::Triangles(triangles) = &surface
+            && triangles.len() > MAX_OUTCOMES
         {
             return Err(SceneError::EmitterOfTooManyTriangles {
                 name: name(),
-                most: MOST_OUTCOMES,
+                max: MAX_OUTCOMES,
             });
         }
         let light = AreaEmitter::new(radiance, surface)
@@ -252,7 +254,7 @@ fn area_emitters(
 }
 
 /// The mesh in scene units, its normals of unit length.
-fn place_mesh(mut mesh: TriangleMesh, to_scene: &DMat4) -> TriangleMesh {
+fn transform_mesh(mut mesh: TriangleMesh, to_scene: &DMat4) -> TriangleMesh {
     for position in &mut mesh.positions {
         let p = DVec3::from_array(position.map(f64::from));
         *position = to_scene.transform_point3(p).as_vec3().to_array();
@@ -269,23 +271,23 @@ fn place_mesh(mut mesh: TriangleMesh, to_scene: &DMat4) -> TriangleMesh {
 }
 
 /// An emitter that is not a surface, in scene units.
-fn place_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, SceneError> {
+fn build_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, SceneError> {
     Ok(match emitter {
         EmitterDescription::Point {
             position,
             intensity,
         } => {
             let position = units.point(position).as_vec3a();
-            // Irradiance I/d^2 must not change with the unit of d.
+            // The irradiance I/d^2 does not depend on the unit of d.
             let intensity = (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a();
-            if !(position.length() < FARTHEST && intensity.is_finite()) {
+            if !(position.length() < MAX_DISTANCE && intensity.is_finite()) {
                 let name = "point emitter".into();
                 return Err(SceneError::OutOfRange { name });
             }
-            Emitter::Point {
+            Emitter::Point(PointEmitter {
                 position,
                 intensity,
-            }
+            })
         }
         EmitterDescription::Directional {
             direction,

@@ -1,24 +1,24 @@
 //! Perspective cameras: pinhole and thin lens.
 //!
-//! The film is the unit square: (0, 0) is the top left corner of the image, x goes right and y down.
+//! The film is the unit square: (0, 0) is the top left corner of the image, x points right and y down.
 //! The importance of the camera is normalised so that a sample of film position and lens point, both
 //! uniform, has weight 1 (pbrt, 4th ed., section 16.1.2 "Sampling cameras" with a film of unit area):
 //!
 //!   W_e(x, w) = 1 / (A_film A_lens cos^4 theta),   A_film at distance 1 from the lens,
 //!
-//! with A_lens left out for a pinhole. Hence p_w(w) = 1 / (A_film cos^3 theta) per steradian.
+//! without A_lens for a pinhole. Hence p_w(w) = 1 / (A_film cos^3 theta) per steradian.
 
 use glam::{DMat4, DVec3, Vec2, Vec3A};
 
 use super::description::{CameraDescription, SceneError};
-use super::{FARTHEST, Ray};
+use super::{MAX_DISTANCE, Ray};
 use crate::sampling::warp::square_to_disk;
 
 /// A camera in scene units.
 #[derive(Clone, Debug)]
 pub struct Camera {
     position: Vec3A,
-    /// Unit axes: to the right of the image, up, and along the view.
+    /// Unit axes: right and up in the image, and the viewing direction.
     right: Vec3A,
     up: Vec3A,
     forward: Vec3A,
@@ -26,34 +26,34 @@ pub struct Camera {
     half_extent: Vec2,
     near: f32,
     far: f32,
-    /// 0 for a pinhole.
+    /// In scene units; 0 for a pinhole.
     lens_radius: f32,
-    /// Distance along the axis of the plane in focus; any value for a pinhole.
+    /// Distance along the viewing axis of the plane in focus; unused for a pinhole.
     focus: f32,
 }
 
 /// A connection from a point to the lens (technique t = 1).
 #[derive(Clone, Copy, Debug)]
 pub struct LensSample {
-    /// Where on the film the point is seen, in [0, 1)^2.
+    /// Film position of the point, in [0, 1)^2.
     pub film: Vec2,
     /// Unit, from the point to the lens.
     pub direction: Vec3A,
-    /// From the point to the near plane: the segment that must be free.
+    /// Distance from the point to the near plane: the length of the shadow ray.
     pub visible_distance: f32,
-    /// W_e / p(lens point) cos(theta at the lens) / d^2: times the flux-like throughput of the
-    /// light subpath and the cosine at the point gives the contribution to the film.
+    /// W_e cos(theta at the lens) / (p(lens point) d^2). Multiplied by the throughput of the light
+    /// subpath and the cosine at the point, it is the contribution to the film.
     pub importance: f32,
-    /// p_w / d^2 with which the camera samples the direction to the point: times the cosine at the
-    /// point gives the camera's area density there.
+    /// p_w / d^2, where p_w is the density with which the camera samples the direction to the point.
+    /// Multiplied by the cosine at the point, it is the density per area there.
     pub density: f32,
 }
 
 impl Camera {
-    /// The camera of `description` in scene units: world positions p become (p - `center`) / `unit`.
+    /// The camera of `description` in scene units: world coordinates p become (p - `center`) / `unit`.
     ///
     /// # Errors
-    /// If the transform is singular or not finite.
+    /// If the transform is singular or not finite, or the position or lens overflow f32.
     pub fn new(
         description: &CameraDescription,
         aspect: f64,
@@ -66,14 +66,15 @@ impl Camera {
         let m: DMat4 = description.to_world;
         let axis = |v: DVec3| m.transform_vector3(v).try_normalize().ok_or_else(singular);
         let (right, up, forward) = (axis(DVec3::NEG_X)?, axis(DVec3::Y)?, axis(DVec3::Z)?);
-        // Of unit axes: whatever their scale, they must span a volume.
+        // The unit axes must span a volume, whatever the scale of the transform.
         if !m.is_finite() || right.cross(up).dot(forward).abs() < 1e-9 {
             return Err(singular());
         }
         let position = ((m.transform_point3(DVec3::ZERO) - center) / unit).as_vec3a();
         let lens_radius = description.lens.map_or(0.0, |l| l.aperture_radius / unit) as f32;
         let focus = description.lens.map_or(1.0, |l| l.focus_distance / unit) as f32;
-        if !(position.length() < FARTHEST && lens_radius < FARTHEST && focus < FARTHEST) {
+        if !(position.length() < MAX_DISTANCE && lens_radius < MAX_DISTANCE && focus < MAX_DISTANCE)
+        {
             let name = "sensor".into();
             return Err(SceneError::OutOfRange { name });
         }
@@ -106,12 +107,12 @@ impl Camera {
         self.forward
     }
 
-    /// The ray through `film` and the lens point that `lens` maps to, from the near plane on, and
-    /// the lens point itself.
+    /// The ray through the film position `film` and the lens point that `lens` maps to, starting at the
+    /// near plane; and the lens point itself.
     #[inline]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> (Ray, Vec3A) {
         let p = (2.0 * film - Vec2::ONE) * self.half_extent;
-        // Point at distance 1 along the axis seen at `film` by a pinhole.
+        // The point at distance 1 along the axis that a pinhole images at `film`.
         let pinhole = self.right * p.x - self.up * p.y + self.forward;
         let (origin, toward) = if self.is_pinhole() {
             (self.position, pinhole)
@@ -120,11 +121,11 @@ impl Camera {
             (self.position + offset, pinhole * self.focus - offset)
         };
         let direction = toward.normalize();
-        let per_depth = direction.dot(self.forward).recip();
+        let distance_per_depth = direction.dot(self.forward).recip();
         let ray = Ray {
-            origin: origin + direction * (self.near * per_depth),
+            origin: origin + direction * (self.near * distance_per_depth),
             direction,
-            t_max: (self.far - self.near) * per_depth,
+            t_max: (self.far - self.near) * distance_per_depth,
         };
         (ray, origin)
     }
@@ -168,15 +169,15 @@ impl Camera {
         }
     }
 
-    /// Where on the film, in [0, 1)^2, light arrives that reaches the lens point of `lens` against
-    /// `direction` (any length, away from the lens); `None` if outside.
+    /// The film position, in [0, 1)^2, of light that arrives at the lens point of `lens` from
+    /// `direction` (of any length, away from the lens); `None` if outside the film.
     #[inline]
     pub fn film_position(&self, direction: Vec3A, lens: Vec2) -> Option<Vec2> {
         let depth = direction.dot(self.forward);
         if depth <= 0.0 {
             return None;
         }
-        // Where the line meets the plane in focus, as the pinhole at the lens centre sees it.
+        // The intersection with the plane in focus, as a pinhole at the centre of the lens images it.
         let offset = if self.is_pinhole() {
             Vec3A::ZERO
         } else {
@@ -189,8 +190,8 @@ impl Camera {
         inside.then_some(film)
     }
 
-    /// The part of the segment from lens point `from` to `target`, along the unit `direction`, that
-    /// lies between the clipping planes; `None` if `target` does not.
+    /// The part between the clipping planes of the segment from the lens point `from` to `target`, along
+    /// the unit `direction`; `None` if `target` is not between them.
     #[inline]
     pub fn visible_segment(
         &self,

@@ -1,21 +1,21 @@
-//! A scene as plain data, in the units of its file and with transforms in f64: what a loader
-//! produces and [`SceneDescription::build`] makes ready to render.
+//! A scene as plain data, in the units of its file and with transforms in f64. A loader produces it, and
+//! [`SceneDescription::build`] makes it ready to render.
 
 use glam::{DMat4, DVec3};
 
 use super::{Material, Texture, TriangleMesh};
 use crate::film::Filter;
 use crate::math::Rgb;
-use crate::sampling::distribution::MOST_OUTCOMES;
+use crate::sampling::distribution::MAX_OUTCOMES;
 
-/// Everything that a scene file says.
+/// The content of a scene file.
 #[derive(Debug)]
 pub struct SceneDescription {
     /// The sensor.
     pub camera: CameraDescription,
     /// Size of the image and its reconstruction filter.
     pub film: FilmSettings,
-    /// How long paths may be.
+    /// Limits on the length of paths.
     pub depth: DepthLimits,
     /// Indexed by the materials.
     pub textures: Vec<Texture>,
@@ -41,23 +41,23 @@ pub struct FilmSettings {
 /// Limits on path length, in Mitsuba 3's sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthLimits {
-    /// Greatest number of edges of a path: 1 shows emitters alone, 2 adds direct light; `None` for
-    /// no limit.
+    /// Maximum number of edges of a path: 1 shows only emitters, 2 adds direct light; `None` for no
+    /// limit.
     pub max_depth: Option<u32>,
-    /// Number of edges from which on Russian roulette may end a subpath.
+    /// Number of edges from which Russian roulette may end a subpath.
     pub rr_depth: u32,
 }
 
 /// A perspective camera: pinhole, or thin lens.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
-    /// Camera to world: looks along +z, +y is up and +x to the left of the image, as in Mitsuba.
+    /// Camera to world: the view is along +z, +y is up and +x to the left of the image, as in Mitsuba.
     pub to_world: DMat4,
     /// Horizontal field of view in degrees, for the whole width of the film.
     pub fov_x: f64,
-    /// Distance along the viewing axis before which nothing is seen.
+    /// Distance along the viewing axis of the near clipping plane.
     pub near_clip: f64,
-    /// Distance along the viewing axis beyond which nothing is seen.
+    /// Distance along the viewing axis of the far clipping plane.
     pub far_clip: f64,
     /// `None` for a pinhole.
     pub lens: Option<ThinLens>,
@@ -75,26 +75,26 @@ pub struct ThinLens {
 /// One surface.
 #[derive(Debug)]
 pub struct ShapeDescription {
-    /// How messages call it: its id or, without one, its type and place in the file.
+    /// Its name in messages: its id or, without one, its type and position in the file.
     pub name: String,
     /// In its own coordinates.
     pub geometry: ShapeGeometry,
-    /// Its own coordinates to the world's.
+    /// From its own coordinates to those of the world.
     pub to_world: DMat4,
-    /// Turn normals (and with them an area emitter's bright side) around.
+    /// Whether normals, and with them the emitting side of an area emitter, are reversed.
     pub flip_normals: bool,
     /// Index into [`SceneDescription::materials`].
     pub material: u32,
-    /// Radiance of an area emitter on its front side, W/(m^2 sr); `None` for none.
+    /// Radiance on the front side, W/(m^2 sr); `None` if the shape does not emit.
     pub emission: Option<Rgb>,
 }
 
-/// The form of a surface.
+/// The geometry of a surface.
 #[derive(Debug)]
 pub enum ShapeGeometry {
     /// Triangles; rectangles and cubes are meshes too.
     Mesh(TriangleMesh),
-    /// A true sphere; its transform may not shear or scale it unevenly.
+    /// An exact sphere; its transform must not shear it or scale it non-uniformly.
     Sphere {
         /// Centre in its own coordinates.
         center: DVec3,
@@ -106,18 +106,18 @@ pub enum ShapeGeometry {
 /// An emitter that is not a surface.
 #[derive(Debug)]
 pub enum EmitterDescription {
-    /// A point that shines equally in all directions.
+    /// A point that emits uniformly in all directions.
     Point {
-        /// Place in the world.
+        /// In world coordinates.
         position: DVec3,
         /// Radiant intensity, W/sr.
         intensity: Rgb,
     },
-    /// Parallel light from infinitely far.
+    /// Parallel light from infinity.
     Directional {
-        /// Direction in which the light travels, any length.
+        /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// Irradiance on a plane that faces the light, W/m^2.
+        /// Irradiance on a plane perpendicular to the light, W/m^2.
         irradiance: Rgb,
     },
     /// The same radiance from every direction.
@@ -129,95 +129,98 @@ pub enum EmitterDescription {
     Environment {
         /// Width of the image in pixels.
         width: usize,
-        /// Rows from the pole +y down; linear radiance.
+        /// Linear radiance, in rows from the pole +y down.
         pixels: Vec<[f32; 3]>,
         /// Factor on all pixels.
         scale: f32,
-        /// Environment to world; only its rotation counts.
+        /// Environment to world; only its rotation and reflection matter.
         to_world: DMat4,
     },
 }
 
-/// Why a description cannot be rendered.
+/// The reasons why a description cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// A transform that has no inverse, or numbers that are not finite.
+    /// A transform without an inverse, or numbers that are not finite.
     #[error("{name}: the transform is singular or not finite")]
     SingularTransform {
-        /// Shape or sensor.
+        /// Shape, emitter or sensor.
         name: String,
     },
-    /// A sensor or emitter so far away, or so large or strong, beside the shapes that squares of its
-    /// numbers are out of range.
-    #[error("{name}: beside shapes of this size its place, size or strength is beyond all numbers")]
+    /// A sensor or emitter whose distance, size or intensity overflows f32 in scene units, or whose
+    /// square does.
+    #[error(
+        "{name}: its distance, size or intensity overflows single precision relative to the size of the \
+         shapes. Move it closer, or leave it out"
+    )]
     OutOfRange {
         /// Sensor or emitter.
         name: String,
     },
-    /// A sphere under shear or uneven scale.
+    /// A sphere under shear or non-uniform scale.
     #[error(
-        "{name}: a sphere can be moved, turned and evenly scaled, but not stretched or sheared"
+        "{name}: a sphere can be translated, rotated and scaled uniformly, but not stretched or sheared"
     )]
     StretchedSphere {
         /// The sphere.
         name: String,
     },
-    /// An environment under shear or uneven scale.
-    #[error("an envmap emitter can be turned and mirrored, but not stretched or sheared")]
+    /// An environment under shear or non-uniform scale.
+    #[error("an envmap emitter can be rotated and reflected, but not stretched or sheared")]
     StretchedEnvironment,
-    /// An environment image that cannot be wrapped around the scene.
+    /// An environment image that is too small or too large.
     #[error(
-        "the image of an envmap emitter must have at least 2 columns and 2 rows of pixels, and no \
-         more than {most} of either",
-        most = MOST_OUTCOMES
+        "the image of an envmap emitter must have at least 2 columns and 2 rows of pixels, and at most \
+         {max} of each",
+        max = MAX_OUTCOMES
     )]
     EnvironmentSize,
     /// A surface that emits but has no area.
-    #[error("{name}: an area emitter needs a surface with area, and this one has none")]
+    #[error("{name}: the surface of an area emitter must have positive area")]
     EmitterWithoutArea {
         /// The shape.
         name: String,
     },
-    /// A mesh that emits, of more triangles than random numbers can tell apart.
-    #[error("{name}: an area emitter can have at most {most} triangles; split the mesh")]
+    /// A mesh that emits and has more triangles than random numbers can choose between.
+    #[error("{name}: an area emitter can have at most {max} triangles; split the mesh")]
     EmitterOfTooManyTriangles {
         /// The shape.
         name: String,
-        /// How many there can be.
-        most: usize,
+        /// The maximum number of triangles.
+        max: usize,
     },
-    /// A place that cannot be computed with.
+    /// Coordinates that are too large to compute with.
     #[error(
-        "{name}: coordinates reach {coordinate:e}; they must be below {largest:e} in size. Choose a \
-         larger unit of length, or leave out what is so far away"
+        "{name}: coordinates reach {coordinate:e}; they must be below {limit:e} in absolute value. Use a \
+         larger unit of length, or remove distant objects"
     )]
     TooLarge {
         /// Shape, emitter or sensor.
         name: String,
         /// Its largest coordinate, in the units of the scene file.
         coordinate: f64,
-        /// What it must stay below.
-        largest: f64,
+        /// The value that it must stay below.
+        limit: f64,
     },
-    /// A scene whose extent cannot be computed with.
+    /// A scene that is too small to compute with.
     #[error(
-        "the scene is too small: all shapes fit into a sphere of radius {radius:e}, which must be at \
-         least {smallest:e}. Choose a smaller unit of length"
+        "the scene is too small: the bounding sphere of all shapes has radius {radius:e}, which must be at \
+         least {min:e}. Use a smaller unit of length"
     )]
     TooSmall {
-        /// Of the bounding sphere of all shapes, in the units of the scene file.
+        /// Radius of the bounding sphere of all shapes, in the units of the scene file.
         radius: f64,
-        /// The least that it may be.
-        smallest: f64,
+        /// Its minimum.
+        min: f64,
     },
-    /// Nothing gives light.
+    /// No emitter.
     #[error(
         "the scene has no emitter: add an area, point, directional, constant or envmap emitter"
     )]
     NoEmitter,
-    /// More than one emitter that surrounds the scene.
+    /// More than one environment emitter.
     #[error(
-        "the scene has more than one environment emitter (constant or envmap); one is possible"
+        "the scene has more than one environment emitter (constant or envmap); remove all but one"
     )]
     SecondEnvironment,
 }

@@ -2,18 +2,18 @@
 
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
-/// A triangle mesh in its own coordinates. [`super::SceneDescription::build`] expects that the loader
-/// guarantees finite numbers, indices in range, and attribute arrays as long as `positions`.
+/// A triangle mesh in its own coordinates. [`super::SceneDescription::build`] requires finite numbers,
+/// indices in range, and attribute arrays that are empty or as long as `positions`.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleMesh {
-    /// Corners.
+    /// Positions of the vertices.
     pub positions: Vec<[f32; 3]>,
     /// Shading normals per vertex, not necessarily of unit length; empty for flat shading.
     pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates per vertex; empty if the mesh has none (then (b1, b2) of the hit stand
-    /// for them, as in Mitsuba).
+    /// Texture coordinates per vertex; if empty, the barycentric coordinates (b1, b2) of the hit are used
+    /// instead, as in Mitsuba.
     pub uvs: Vec<[f32; 2]>,
-    /// Three vertices each, counter-clockwise seen from the front.
+    /// Indices of the three vertices of each, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -27,7 +27,7 @@ impl TriangleMesh {
                 .iter()
                 .map(|[u, v]| [2.0 * u - 1.0, 2.0 * v - 1.0, 0.0])
                 .collect(),
-            // Not left to the winding: these follow a mirroring transform, as Mitsuba's do.
+            // Unlike the winding, these follow a mirroring transform, as Mitsuba's do.
             normals: vec![[0.0, 0.0, 1.0]; 4],
             uvs,
             triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -36,7 +36,7 @@ impl TriangleMesh {
 
     /// Mitsuba's `cube`: [-1, 1]^3, facing outward, each face mapped to the unit square.
     pub fn cube() -> Self {
-        /// The normal of each face and its corners, in the order in which [`UVS`] map them.
+        /// The normal of each face and its corners, in the order of [`UVS`].
         const FACES: [(Vec3, [[i8; 3]; 4]); 6] = [
             (
                 Vec3::NEG_Y,
@@ -68,13 +68,13 @@ impl TriangleMesh {
         mesh
     }
 
-    /// Smooth normals where a file gives none, as Mitsuba computes them: at each vertex the mean of
-    /// the normals of the triangles around it, weighted by their angle there (Thürmer and Wüthrich
+    /// Computes smooth normals, as Mitsuba does where a file has none: at each vertex the mean of the
+    /// normals of the triangles around it, weighted by their angle there (Thürmer and Wüthrich
     /// 1998, "Computing vertex normals from polygonal facets").
     ///
-    /// Both angles and the side that winding makes the front are those of the mesh placed by
-    /// `to_world`, which may stretch and mirror: the normals are stored such that this transform
-    /// brings them to the right ones. Vertices of no triangle with area get (1, 0, 0) in the world.
+    /// Angles and front sides are those of the mesh after the transform `to_world`, which may stretch and
+    /// mirror it; the normals are stored such that this transform yields the right ones. Vertices of no
+    /// triangle with area get (1, 0, 0) in world coordinates.
     pub fn compute_vertex_normals(&mut self, to_world: &DMat4) {
         let linear = DMat3::from_mat4(*to_world);
         let corner = |i: u32| {
@@ -94,7 +94,7 @@ impl TriangleMesh {
                 sums[vertex as usize] += normal * angle;
             }
         }
-        // Normals go to the world by the inverse transpose of `linear`.
+        // The inverse transpose of `linear` transforms normals to the world.
         let to_local = linear.transpose();
         self.normals = sums
             .iter()
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn rectangle_and_cube_face_the_side_of_their_normals_and_have_the_right_area() {
+    fn rectangle_and_cube_have_the_right_area_and_winding() {
         for (mesh, area) in [
             (TriangleMesh::rectangle(), 4.0),
             (TriangleMesh::cube(), 24.0),
@@ -132,8 +132,8 @@ mod tests {
         }
     }
 
-    /// The corner of a cube where three right angles meet, one face of it cut in two: unweighted,
-    /// the cut face would pull the normal to itself.
+    /// The corner of a cube, with one of its three faces divided into two triangles there: without
+    /// weights that face would count twice.
     #[test]
     fn vertex_normals_are_weighted_by_angle() {
         let mut mesh = TriangleMesh {
@@ -152,10 +152,10 @@ mod tests {
         assert!((Vec3::from_array(mesh.normals[0]) - expected).length() < 1e-6);
     }
 
-    /// Under a transform that stretches and mirrors, the stored normals must come out in the world
-    /// as if they had been computed there.
+    /// Under a transform that stretches and mirrors, the stored normals are transformed to those that
+    /// would be computed in world coordinates.
     #[test]
-    fn vertex_normals_are_those_of_the_placed_mesh() {
+    fn vertex_normals_are_those_of_the_transformed_mesh() {
         let to_world = DMat4::from_scale(DVec3::new(-1.0, 3.0, 0.5));
         let mut local = TriangleMesh {
             positions: vec![

@@ -1,44 +1,59 @@
-//! Reflectance that may vary over a surface.
+//! Textures: colours that may vary over a surface.
 
 use glam::{Affine2, IVec2, Vec2, Vec3A};
 
 use crate::math::Rgb;
 
-/// A colour by texture coordinates.
+/// A colour as a function of texture coordinates.
 #[derive(Clone, Debug)]
 pub enum Texture {
     /// The same everywhere.
     Constant(Rgb),
     /// An image.
     Bitmap(Bitmap),
-    /// Two by two patches on every unit square, as Mitsuba 3's `checkerboard`.
+    /// Two by two squares on every unit square, as Mitsuba 3's `checkerboard`.
     Checkerboard {
-        /// Where both coordinates fall into the same half of their unit interval.
+        /// Where both coordinates are in the same half of their unit interval.
         color0: Rgb,
         /// Elsewhere.
         color1: Rgb,
-        /// Applied to the coordinates first.
+        /// Transform of the texture coordinates.
         to_uv: Affine2,
     },
 }
 
-/// How an image is read between the centres of its pixels.
+/// A texture at texture coordinates, evaluated on demand.
+#[derive(Clone, Copy)]
+pub(super) struct TextureAt<'a> {
+    pub texture: &'a Texture,
+    pub uv: Vec2,
+}
+
+impl TextureAt<'_> {
+    /// The value.
+    #[inline]
+    pub fn color(&self) -> Rgb {
+        self.texture.evaluate(self.uv)
+    }
+}
+
+/// Interpolation between the centres of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The pixel that holds the point.
+    /// The pixel that contains the point.
     Nearest,
-    /// Linear between the centres of the four pixels around the point.
+    /// Bilinear between the centres of the four pixels around the point.
     Bilinear,
 }
 
-/// What an image is outside the unit square.
+/// Extension of an image beyond the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// Copies side by side.
+    /// The image is repeated.
     Repeat,
-    /// Copies that are mirrored at each edge.
+    /// The image is repeated and mirrored at each edge.
     Mirror,
-    /// The nearest pixel of its border.
+    /// The nearest pixel of the border.
     Clamp,
 }
 
@@ -77,7 +92,7 @@ impl Texture {
         }
     }
 
-    /// Mean over the texture's unit square; used to choose between lobes.
+    /// Mean over the unit square of texture coordinates; used to choose between lobes.
     pub fn mean(&self) -> Rgb {
         match self {
             Texture::Constant(color) => *color,
@@ -88,7 +103,7 @@ impl Texture {
 }
 
 impl Bitmap {
-    /// An image of linear `pixels`, rows from top to bottom; coordinates pass through `to_uv` first.
+    /// An image of linear `pixels`, in rows from top to bottom; `to_uv` transforms texture coordinates.
     /// `None` unless there are `width` x `height` pixels, at least one, and each side is below 2^31.
     pub fn new(
         width: usize,
@@ -147,7 +162,7 @@ impl Bitmap {
 }
 
 impl Wrap {
-    /// The pixel in `0..size` that stands for pixel `i`.
+    /// The pixel in `0..size` to which pixel `i` is mapped.
     #[inline]
     fn apply(self, i: i32, size: i32) -> usize {
         let wrapped = match self {
@@ -164,8 +179,8 @@ impl Wrap {
 
 #[cfg(test)]
 mod tests {
-    //! Against Mitsuba 3.9.1, whose texture coordinates start at the first row of an image: a
-    //! `rectangle` has v = 0 at y = -1 and so shows images upside down; `obj` turns v around on load.
+    //! Compared with Mitsuba 3.9.1, whose texture coordinates start at the first row of an image: a
+    //! `rectangle` has v = 0 at y = -1 and so shows images upside down; `obj` flips v when it is loaded.
     //!
     //! ```python
     //! pixels = [[[i / 10, j / 10, (i + 2 * j) / 20] for i in range(3)] for j in range(4)]
@@ -192,7 +207,7 @@ mod tests {
             .map(|(i, j)| [i / 10.0, j / 10.0, (i + 2.0 * j) / 20.0])
             .collect();
         let bitmap = Bitmap::new(3, 4, pixels, interpolation, wrap, to_uv);
-        Texture::Bitmap(bitmap.expect("as many pixels as said"))
+        Texture::Bitmap(bitmap.expect("width times height pixels"))
     }
 
     /// [[2, 0.5, 0.1], [-0.25, 1.5, 0.3], [0, 0, 1]] in rows, as `mi.ScalarTransform3f` takes it.
@@ -213,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn bitmaps_are_read_as_in_mitsuba() {
+    fn bitmaps_agree_with_mitsuba() {
         let cases = [
             (
                 Nearest,
@@ -261,14 +276,14 @@ mod tests {
         for (interpolation, wrap, values) in cases {
             let texture = bitmap(interpolation, wrap, Affine2::IDENTITY);
             for (uv, [r, g]) in UVS.into_iter().zip(values) {
-                // Blue is r / 2 + g in every pixel, and so between them.
+                // Blue is r / 2 + g in every pixel, and therefore between pixels too.
                 assert_close(&texture, uv, [r, g, 0.5 * r + g]);
             }
         }
     }
 
     #[test]
-    fn coordinates_are_transformed_as_in_mitsuba() {
+    fn transformed_coordinates_agree_with_mitsuba() {
         let texture = bitmap(Bilinear, Repeat, to_uv());
         let values = [
             [0.07, 0.18, 0.215],
@@ -283,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn checkerboards_are_those_of_mitsuba() {
+    fn checkerboards_agree_with_mitsuba() {
         let (plain, transformed) = ([0.8, 0.8, 0.8, 0.8, 0.1], [0.1, 0.8, 0.1, 0.8, 0.8]);
         for (to_uv, values) in [(Affine2::IDENTITY, plain), (to_uv(), transformed)] {
             let texture = Texture::Checkerboard {
@@ -306,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_sizes_are_refused_and_far_coordinates_read() {
+    fn bad_sizes_are_rejected_and_large_coordinates_accepted() {
         let make = |width, height, count| {
             let pixels = vec![[0.5; 3]; count];
             Bitmap::new(width, height, pixels, Bilinear, Repeat, Affine2::IDENTITY)

@@ -6,12 +6,12 @@ use super::Connection;
 use crate::math::Rgb;
 use crate::path::mis::weight;
 use crate::path::{EnvironmentVertex, PartialMis, Vertex};
-use crate::scene::{EmissionToward, Scene};
+use crate::scene::{LightEvaluation, Scene};
 
 /// A light that a camera subpath has hit, not yet weighted.
 pub struct Hit<'a> {
     /// Radiance toward the camera subpath, and the densities of all ways to sample the point.
-    pub emission: EmissionToward,
+    pub emission: LightEvaluation,
     /// Throughput of the camera subpath.
     pub throughput: Rgb,
     /// Partial MIS sums at the point.
@@ -30,7 +30,7 @@ pub fn hit_light<'a>(
     previous: Vec3A,
 ) -> Option<Hit<'a>> {
     Some(Hit {
-        emission: scene.emitters.hit(&vertex.surface, previous)?,
+        emission: scene.emitters.evaluate_surface(&vertex.surface, previous)?,
         throughput: vertex.throughput,
         mis: &vertex.mis,
         edges,
@@ -45,7 +45,7 @@ pub fn hit_environment<'a>(
     edges: usize,
 ) -> Option<Hit<'a>> {
     Some(Hit {
-        emission: scene.emitters.escape(vertex.direction)?,
+        emission: scene.emitters.evaluate_environment(vertex.direction)?,
         throughput: vertex.throughput,
         mis: &vertex.mis,
         edges,

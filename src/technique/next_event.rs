@@ -7,7 +7,7 @@ use crate::math::Rgb;
 use crate::path::mis::{h, weight};
 use crate::path::{Scatter, Vertex, dimensions};
 use crate::sampling::Sampler;
-use crate::scene::{DirectSample, RayCounts, Scene, TransportMode};
+use crate::scene::{LightSample, RayCounts, Scene, TransportMode};
 
 /// A point on a light, sampled for a camera vertex and visible from it, not yet weighted.
 pub struct NextEvent<'a> {
@@ -16,8 +16,8 @@ pub struct NextEvent<'a> {
     /// Path contribution over density.
     value: Rgb,
     /// The point on the light.
-    light: DirectSample,
-    /// Scattering at the camera vertex toward the point.
+    light: LightSample,
+    /// BsdfEvaluation at the camera vertex toward the point.
     scatter: Scatter,
 }
 
@@ -34,17 +34,18 @@ impl<'a> NextEvent<'a> {
         if !vertex.is_connectible(scene) {
             return None;
         }
-        let [choose, part, u, v] = sampler.get::<4>(dimensions::next_event(i));
+        let [u_light, u_primitive, x, y] = sampler.get::<4>(dimensions::next_event(i));
         let position = vertex.position();
-        let light = scene
-            .emitters
-            .sample_direct(position, choose, part, Vec2::new(u, v))?;
+        let light =
+            scene
+                .emitters
+                .sample_direct(position, u_light, u_primitive, Vec2::new(x, y))?;
         let emission = &light.emission;
         let scatter = vertex.scatter(scene, light.direction, TransportMode::Radiance);
         let value = vertex.throughput
             * scatter.value
             * emission.radiance
-            * (light.geometry / emission.pdf_direct);
+            * (light.jacobian_direction / emission.pdf_direct);
         if value == Rgb::ZERO {
             return None;
         }
@@ -74,7 +75,7 @@ impl<'a> NextEvent<'a> {
         if self.light.delta {
             return 0.0;
         }
-        let hit = f64::from(self.scatter.pdf_forward) * f64::from(self.light.geometry);
+        let hit = f64::from(self.scatter.pdf_forward) * f64::from(self.light.jacobian_direction);
         h(hit / f64::from(self.light.emission.pdf_direct))
     }
 
@@ -85,7 +86,7 @@ impl<'a> NextEvent<'a> {
         let emission = &light.emission;
         let from_light = f64::from(emission.pdf_position)
             * f64::from(emission.pdf_direction)
-            * f64::from(light.spread)
+            * f64::from(light.jacobian_area)
             * f64::from(scatter.cos)
             / f64::from(emission.pdf_direct);
         let camera = self

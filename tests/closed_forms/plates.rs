@@ -6,7 +6,7 @@ use metrolight::math::Rgb;
 use metrolight::render::Method::{Bdpt, Path, Pssmlt};
 use metrolight::scene::bsdf::metals;
 use metrolight::scene::{
-    Distribution, EmitterDescription, Material, Scene, ShapeDescription, Texture,
+    EmitterDescription, Material, MicrofacetDistribution, Scene, ShapeDescription, Texture,
 };
 
 use super::published::{
@@ -101,7 +101,7 @@ fn metal(name: &str) -> (Rgb, Rgb, f64, f64) {
     (eta, k, f64::from(eta.y), f64::from(k.y))
 }
 
-fn rough_metal(distribution: Distribution, alpha: f64, name: &'static str) -> Case {
+fn rough_metal(distribution: MicrofacetDistribution, alpha: f64, name: &'static str) -> Case {
     let (eta, k, n, kappa) = metal(name);
     let facets = facets(distribution, alpha);
     let material = Material::RoughConductor {
@@ -118,7 +118,7 @@ fn rough_metal(distribution: Distribution, alpha: f64, name: &'static str) -> Ca
     })
 }
 
-fn rough_glass(distribution: Distribution, alpha: f64, eta: f64) -> Case {
+fn rough_glass(distribution: MicrofacetDistribution, alpha: f64, eta: f64) -> Case {
     let facets = facets(distribution, alpha);
     let material = Material::RoughDielectric {
         distribution,
@@ -132,10 +132,10 @@ fn rough_glass(distribution: Distribution, alpha: f64, eta: f64) -> Case {
     })
 }
 
-fn facets(distribution: Distribution, alpha: f64) -> Facets {
+fn facets(distribution: MicrofacetDistribution, alpha: f64) -> Facets {
     match distribution {
-        Distribution::Beckmann => Facets::Beckmann(alpha),
-        Distribution::Ggx => Facets::Ggx(alpha),
+        MicrofacetDistribution::Beckmann => Facets::Beckmann(alpha),
+        MicrofacetDistribution::Ggx => Facets::Ggx(alpha),
     }
 }
 
@@ -176,7 +176,7 @@ fn smooth_cases() -> Vec<Case> {
 }
 
 fn rough_cases() -> Vec<Case> {
-    use Distribution::{Beckmann, Ggx};
+    use MicrofacetDistribution::{Beckmann, Ggx};
     let rough_plastic = Material::rough_plastic(Ggx, 0.3, 1.49, true, GREY, WHITE, &textures());
     vec![
         rough_metal(Ggx, 0.3, "none"),
@@ -239,7 +239,7 @@ fn rough_materials_under_a_constant_environment() {
 /// The two sides of a two-sided material are independent materials.
 #[test]
 fn two_sided_materials_under_a_constant_environment() {
-    let front = rough_metal(Distribution::Ggx, 0.3, "Au");
+    let front = rough_metal(MicrofacetDistribution::Ggx, 0.3, "Au");
     let material = Material::TwoSided {
         front: Box::new(front.material),
         back: Box::new(Material::Diffuse { reflectance: GREY }),

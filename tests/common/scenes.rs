@@ -4,8 +4,9 @@ use glam::{DMat4, DVec3};
 use metrolight::film::Filter;
 use metrolight::math::Rgb;
 use metrolight::scene::{
-    CameraDescription, DepthLimits, Distribution, EmitterDescription, FilmSettings, Material,
-    Scene, SceneDescription, ShapeDescription, ShapeGeometry, Texture, ThinLens, TriangleMesh,
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material,
+    MicrofacetDistribution, Scene, SceneDescription, ShapeDescription, ShapeGeometry, Texture,
+    ThinLens, TriangleMesh,
 };
 
 /// A scene under construction: fields to fill in, and methods that add to them. By default it is empty,
@@ -104,7 +105,12 @@ impl SceneBuilder {
     }
 
     /// As [`Self::glass`], rough.
-    pub fn rough_glass(&mut self, distribution: Distribution, eta: f32, alpha: f32) -> u32 {
+    pub fn rough_glass(
+        &mut self,
+        distribution: MicrofacetDistribution,
+        eta: f32,
+        alpha: f32,
+    ) -> u32 {
         let white = self.grey(1.0);
         self.material(Material::RoughDielectric {
             distribution,

@@ -6,7 +6,7 @@
 
 use glam::{DMat4, DVec3};
 use metrolight::render::Method;
-use metrolight::scene::{Distribution, Scene};
+use metrolight::scene::{MicrofacetDistribution, Scene};
 use metrolight::statistics::Moments;
 
 use crate::common::renders::{mean, means, rendering};
@@ -39,7 +39,7 @@ fn floor_behind_ball(ball: Option<Ball>) -> Scene {
     emit(builder.ceiling(DVec3::new(0.4, 1.5, 0.0), 0.6, white), 5.0);
     let ball = ball.map(|ball| match ball {
         Ball::Smooth(eta) => builder.glass(eta),
-        Ball::Rough(eta) => builder.rough_glass(Distribution::Ggx, eta, 0.3),
+        Ball::Rough(eta) => builder.rough_glass(MicrofacetDistribution::Ggx, eta, 0.3),
     });
     if let Some(material) = ball {
         builder.sphere(DVec3::ZERO, 0.6, material);

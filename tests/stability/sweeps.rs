@@ -7,7 +7,7 @@ use glam::{DMat4, DVec3};
 use metrolight::analysis::lost_light;
 use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Method, Rendering, Settings, Unobserved, render};
-use metrolight::scene::{Distribution, Scene, TriangleMesh};
+use metrolight::scene::{MicrofacetDistribution, Scene, TriangleMesh};
 use metrolight::statistics::Moments;
 use serde::Serialize;
 
@@ -110,7 +110,11 @@ impl Sweep {
             Self::Roughness => {
                 add_lamp(&mut builder, 0.2, OUT_OF_SIGHT);
                 if parameter > 0.0 {
-                    let glass = builder.rough_glass(Distribution::Beckmann, BK7, parameter as f32);
+                    let glass = builder.rough_glass(
+                        MicrofacetDistribution::Beckmann,
+                        BK7,
+                        parameter as f32,
+                    );
                     builder.sphere(ball, 0.6, glass);
                 } else {
                     add_glass_ball(&mut builder, 0.6, ball);

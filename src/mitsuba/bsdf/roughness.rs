@@ -2,7 +2,7 @@
 
 use crate::mitsuba::error::{LoadError, Located};
 use crate::mitsuba::xml::Object;
-use crate::scene::bsdf::Distribution;
+use crate::scene::bsdf::MicrofacetDistribution;
 
 /// Least roughness. Mitsuba replaces lower values by it.
 const MIN_ALPHA: f64 = 1e-4;
@@ -10,14 +10,14 @@ const MIN_ALPHA: f64 = 1e-4;
 const MAX_ALPHA: f64 = 10.0;
 
 /// The type of the microfacet distribution.
-pub fn distribution(object: &Object) -> Result<Distribution, LoadError> {
+pub fn distribution(object: &Object) -> Result<MicrofacetDistribution, LoadError> {
     let choices = [
-        ("beckmann", Distribution::Beckmann),
-        ("ggx", Distribution::Ggx),
+        ("beckmann", MicrofacetDistribution::Beckmann),
+        ("ggx", MicrofacetDistribution::Ggx),
     ];
     // Which normals are sampled does not change what is estimated.
     object.ignore(&["sample_visible"]);
-    object.choice("distribution", Distribution::Beckmann, &choices)
+    object.choice("distribution", MicrofacetDistribution::Beckmann, &choices)
 }
 
 /// The roughness `alpha`.

@@ -2,18 +2,18 @@
 
 use crate::math::Rgb;
 
-/// What an interface between two dielectrics does to a ray.
+/// Reflection and refraction at an interface between two dielectrics.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interface {
-    /// Share of the power that is reflected: 1 under total internal reflection.
+    /// Fraction of the power that is reflected; 1 under total internal reflection.
     pub reflectance: f32,
     /// Cosine of the refracted ray with the normal on its side; 0 under total internal reflection.
     pub cos_t: f32,
 }
 
 /// Fresnel's equations and Snell's law (Born and Wolf, "Principles of Optics", 7th ed., section
-/// 1.5.2 and 1.5.3) for a ray at `cos_i` >= 0; `eta` is the index beyond the interface over the one
-/// before it.
+/// 1.5.2 and 1.5.3) for a ray at `cos_i` >= 0; `eta` is the index of the far side over that of the near
+/// side.
 #[inline]
 pub(super) fn dielectric(cos_i: f32, eta: f32) -> Interface {
     if eta == 1.0 {
@@ -56,20 +56,19 @@ pub(super) fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     0.5 * (r_s + r_p)
 }
 
-/// Square root by channel; rounding may have left a channel a little below 0.
+/// Square root of each channel, clamped to 0 from rounding errors below it.
 #[inline]
 fn sqrt(x: Rgb) -> Rgb {
     x.max(Rgb::ZERO).map(f32::sqrt)
 }
 
-/// Reflectance for diffuse light inside a medium of relative index `eta` at its smooth boundary, the
-/// value of Mitsuba 3's `plastic`: the fit of Egan and Hilgeman (1973) for light inside the denser
-/// medium, that of d'Eon and Irving (2011, "A quantized-diffusion model", appendix) otherwise.
+/// Reflectance for diffuse light inside a medium of relative index `eta` at its smooth boundary, as in
+/// Mitsuba 3's `plastic`: the fit of Egan and Hilgeman (1973) for light inside the denser medium, that
+/// of d'Eon and Irving (2011, "A quantized-diffusion model", appendix) otherwise.
 ///
-/// Beyond eta = 2 the former is off by up to a tenth and passes 1 at eta = 4, where a surface would
-/// reflect more than it receives. There it gives way to 1 - (1 - F) / eta^2, with F the fit from
-/// outside: by reciprocity diffuse light crosses the boundary as easily from either side, in terms of
-/// radiance over squared index.
+/// Beyond eta = 2 the former is off by up to a tenth, and it exceeds 1 at eta = 4. There it is replaced by
+/// 1 - (1 - F) / eta^2, where F is the fit from outside: by reciprocity the transmittance for diffuse
+/// light is the same from both sides, in terms of radiance over squared index.
 pub(super) fn internal_diffuse_reflectance(eta: f32) -> f32 {
     let x = eta.recip();
     if eta <= 1.0 {
@@ -81,7 +80,7 @@ pub(super) fn internal_diffuse_reflectance(eta: f32) -> f32 {
     1.0 - (1.0 - external_diffuse_reflectance(eta)) * x * x
 }
 
-/// The fit of d'Eon and Irving for light that meets a medium denser by `eta` >= 1.
+/// The fit of d'Eon and Irving for light that enters a medium of relative index `eta` >= 1.
 fn external_diffuse_reflectance(eta: f32) -> f32 {
     let x = eta.recip();
     let coefficients = [-1.368_81, 4.985_54, -7.809_89, 6.753_35, -3.4793, 0.919_317];

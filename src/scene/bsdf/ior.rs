@@ -1,4 +1,4 @@
-//! Named indices of refraction, as Mitsuba 3 knows them (after Hecht, "Optics", 4th ed.; measured
+//! Named indices of refraction, as in Mitsuba 3 (after Hecht, "Optics", 4th ed.; measured
 //! near 589 nm between 0 and 20 degrees Celsius).
 
 const TABLE: [(&str, f32); 23] = [
@@ -35,7 +35,7 @@ pub fn ior(name: &str) -> Option<f32> {
         .map(|&(_, value)| value)
 }
 
-/// Every name that [`ior`] knows.
+/// All names that [`ior`] accepts.
 pub fn ior_names() -> impl Iterator<Item = &'static str> {
     TABLE.iter().map(|&(name, _)| name)
 }

@@ -102,7 +102,7 @@ pub fn metal(name: &str) -> Option<(Rgb, Rgb)> {
         .map(|row| (Vec3A::from(row.1), Vec3A::from(row.2)))
 }
 
-/// Every name that [`metal`] knows.
+/// All names that [`metal`] accepts.
 pub fn metal_names() -> impl Iterator<Item = &'static str> {
     TABLE.iter().map(|row| row.0)
 }

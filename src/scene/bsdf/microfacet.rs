@@ -1,13 +1,13 @@
-//! Statistics of rough surfaces: the distribution of microfacet normals m, Smith's masking, and
-//! sampling of the normals that are visible from a direction.
+//! Microfacets: the distribution of their normals m, Smith's masking, and sampling of the normals that
+//! are visible from a direction.
 //!
-//! Every rough material is built from three factors, with cos theta_v = |v.n|:
+//! Every rough material is the product of three factors, with cos theta_v = |v.n|:
 //!
 //!   D(m)                                   per steradian of m,
 //!   gamma(v) = G1(v) / cos theta_v         Smith's masking over the cosine, finite at grazing,
 //!   D_v(m) = D(m) gamma(v) |v.m|           density of the normals visible from v,
 //!
-//! so that no formula ever divides by a cosine (Walter et al. 2007, "Microfacet models for
+//! so that no formula divides by a cosine (Walter et al. 2007, "Microfacet models for
 //! refraction through rough surfaces"; D_v is equation 3 of Heitz 2018, "Sampling the GGX
 //! distribution of visible normals"). As in Mitsuba 3, masking and shadowing are independent: G = G1 G1.
 
@@ -16,42 +16,50 @@ use std::f32::consts::{FRAC_1_PI, FRAC_2_SQRT_PI, PI};
 use glam::{Vec2, Vec2Swizzles, Vec3A};
 use libm::erff;
 
-use super::Distribution;
 use crate::sampling::warp::square_to_disk;
 
-/// Roughness below which Mitsuba 3 clamps.
+/// The normal distribution of a rough surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MicrofacetDistribution {
+    /// Beckmann and Spizzichino 1963.
+    Beckmann,
+    /// Trowbridge and Reitz 1975, as GGX in Walter et al. 2007.
+    Ggx,
+}
+
+/// Minimum roughness, to which Mitsuba 3 clamps.
 const MIN_ALPHA: f32 = 1e-4;
 
-/// A surface of microfacets, equally rough in all directions.
+/// The microfacets of a surface of isotropic roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacets {
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha: f32,
 }
 
 impl Microfacets {
     #[inline]
-    pub fn new(distribution: Distribution, alpha: f32) -> Self {
+    pub fn new(distribution: MicrofacetDistribution, alpha: f32) -> Self {
         Self {
             distribution,
             alpha: alpha.max(MIN_ALPHA),
         }
     }
 
-    /// D(m), of a unit normal `m` with m.z >= 0 (Walter et al. 2007, equations 25 and 33).
+    /// D(m) of a unit normal `m` with m.z >= 0 (Walter et al. 2007, equations 25 and 33).
     #[inline]
     pub fn density(&self, m: Vec3A) -> f32 {
         let cos2 = m.z * m.z;
         let slope2_cos2 = (m.x * m.x + m.y * m.y) / (self.alpha * self.alpha);
         match self.distribution {
-            Distribution::Beckmann => {
-                // The exponential is 0 long before the cosine underflows.
+            MicrofacetDistribution::Beckmann => {
+                // The exponential underflows to 0 before the square of the cosine does.
                 if cos2 < 1e-8 {
                     return 0.0;
                 }
                 (-slope2_cos2 / cos2).exp() / (PI * self.alpha * self.alpha * cos2 * cos2)
             }
-            Distribution::Ggx => {
+            MicrofacetDistribution::Ggx => {
                 let root = self.alpha * (slope2_cos2 + cos2);
                 FRAC_1_PI / (root * root)
             }
@@ -59,36 +67,36 @@ impl Microfacets {
     }
 
     /// gamma(v) = G1(v) / |v.z| of a unit direction on either side (Walter et al. 2007, equations 26
-    /// and 34). Beckmann's G1 is exact, where Mitsuba 3 has the rational fit of equation 27: that is off
-    /// by 0.3%, and then the density of sampled normals does not integrate to 1.
+    /// and 34). Beckmann's G1 is exact here. Mitsuba 3 has the rational fit of equation 27, which is off
+    /// by 0.3%, so that the density of sampled normals does not integrate to 1.
     #[inline]
     pub fn masking_over_cosine(&self, v: Vec3A) -> f32 {
         let cos = v.z.abs();
         let alpha_sin = self.alpha * (v.x * v.x + v.y * v.y).sqrt();
         match self.distribution {
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Beckmann => {
                 let a = cos / alpha_sin;
                 let exponential = 0.5 * FRAC_2_SQRT_PI * alpha_sin * (-a * a).exp();
                 2.0 / (cos * (1.0 + erff(a)) + exponential)
             }
-            Distribution::Ggx => 2.0 / (cos + (cos * cos + alpha_sin * alpha_sin).sqrt()),
+            MicrofacetDistribution::Ggx => 2.0 / (cos + (cos * cos + alpha_sin * alpha_sin).sqrt()),
         }
     }
 
     /// A microfacet normal visible from `v` (unit, v.z > 0), with density D_v(m) per steradian. It is
-    /// a continuous map of `u`: u.x moves the normal along the view, u.y across, and u.y = 1/2 mirrors
-    /// one half into the other.
+    /// a continuous map of `u`: u.x moves the normal in the plane of `v`, u.y across it, and the halves
+    /// of the square on either side of u.y = 1/2 are mirror images.
     #[inline]
     pub fn sample_visible(&self, v: Vec3A, u: Vec2) -> Vec3A {
         let stretched = Vec3A::new(self.alpha * v.x, self.alpha * v.y, v.z).normalize();
         match self.distribution {
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Beckmann => {
                 let slope = beckmann_visible_slope(stretched.z, u);
                 let tangent = Vec2::new(stretched.x, stretched.y).normalize_or(Vec2::X);
                 let slope = self.alpha * tangent.rotate(slope);
                 Vec3A::new(-slope.x, -slope.y, 1.0).normalize()
             }
-            Distribution::Ggx => {
+            MicrofacetDistribution::Ggx => {
                 let m = ggx_visible_normal(stretched, u);
                 Vec3A::new(self.alpha * m.x, self.alpha * m.y, m.z).normalize()
             }
@@ -96,14 +104,14 @@ impl Microfacets {
     }
 }
 
-/// For GGX with alpha = 1, which is a hemisphere: its point that is seen from `v` through a uniform
-/// point of its projection (Heitz 2018, appendix A).
+/// A visible normal of GGX with alpha = 1, whose microfacets form a hemisphere: the point of the
+/// hemisphere seen from `v` at a uniform point of its projection (Heitz 2018, appendix A).
 #[inline]
 fn ggx_visible_normal(v: Vec3A, u: Vec2) -> Vec3A {
     let t1 = Vec2::new(-v.y, v.x).normalize_or(Vec2::X);
     let t1 = Vec3A::new(t1.x, t1.y, 0.0);
     let t2 = v.cross(t1);
-    // The projection is half a disk and half an ellipse: bend the lower half of the disk.
+    // The projection is half a disk and half an ellipse: the lower half of the disk is compressed.
     let p = square_to_disk(u.yx());
     let half_chord = (1.0 - p.x * p.x).max(0.0).sqrt();
     let s = 0.5 * (1.0 + v.z);
@@ -113,21 +121,22 @@ fn ggx_visible_normal(v: Vec3A, u: Vec2) -> Vec3A {
     Vec3A::new(m.x, m.y, m.z.max(0.0))
 }
 
-/// Slope, along and across the view, of a facet of Beckmann's surface with alpha = 1 that is visible
-/// at elevation `cos` > 0 (Heitz and d'Eon 2014, "Importance sampling microfacet-based BSDFs using the
+/// Slope, along and across the view, of a microfacet of Beckmann's distribution with alpha = 1 that is
+/// visible at an angle of cosine `cos` > 0 (Heitz and d'Eon 2014, "Importance sampling microfacet-based BSDFs using the
 /// distribution of visible normals").
 ///
-/// The slope s along the view has the distribution function, with x = erf(s) and t = tan theta,
+/// With x = erf(s) and t = tan theta, the distribution function of the slope s along the view is
 ///
 ///   (1 + x + t exp(-s^2) / sqrt(pi)) / C,   x from -1 to erf(1/t),
 ///
-/// increasing and concave in x, so that Newton's iteration converges from everywhere (Jakob 2014, "An
-/// improved visible normal sampling routine for the Beckmann distribution", whose first guess this is).
+/// which is increasing and concave in x, so that Newton's iteration converges from any start (Jakob
+/// 2014, "An improved visible normal sampling routine for the Beckmann distribution", which also gives
+/// the initial guess used here).
 #[inline]
 fn beckmann_visible_slope(cos: f32, u: Vec2) -> Vec2 {
-    // Half a step of u away from the ends, where the slope is infinite.
+    // At the ends of [0, 1] the slope is infinite: u stays half its resolution away from them.
     const EDGE: f64 = 0.5 * (f32::EPSILON as f64 / 2.0);
-    // The slopes beyond, of probability 1e-8, are out of reach for `erf_inv`.
+    // `erf_inv` is not defined beyond; slopes there have probability 1e-8.
     const OPEN: f64 = 1.0 - 1e-8;
     const MAX_STEPS: u32 = 16;
     let [u1, u2] = [u.x, u.y].map(|u| f64::from(u).clamp(EDGE, 1.0 - EDGE));
@@ -143,7 +152,7 @@ fn beckmann_visible_slope(cos: f32, u: Vec2) -> Vec2 {
         let value = 1.0 + x + t_over_root_pi * (-s * s).exp() - target;
         let step = value / (1.0 - s * tan);
         x -= step;
-        // The iteration converges quadratically: what is left is far smaller than the step.
+        // Convergence is quadratic: the remaining error is far smaller than the step.
         if step.abs() < 1e-4 * (1.0 + x) {
             break;
         }

@@ -6,35 +6,34 @@ use glam::{Vec2, Vec3A};
 use super::dielectric::eta_across;
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
-use super::{Draw, Scattering};
-use crate::math::Rgb;
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use crate::scene::texture::TextureAt;
 
-/// Relative indices closer to 1 than this refract by less than an f32 can tell from the two
-/// directions: light then passes straight on.
+/// Relative indices of refraction closer to 1 than this count as 1: the deflection is below the
+/// resolution of f32, and light passes straight through.
 const INDEX_MATCHED: f32 = 1e-4;
 
-/// True if an interface of relative index `eta` is no interface at all, however rough.
+/// True if an interface of relative index `eta` does not refract, however rough it is.
 #[inline]
 pub(super) fn is_index_matched(eta: f32) -> bool {
     (eta - 1.0).abs() < INDEX_MATCHED
 }
 
-/// `Material::RoughDielectric` at a point.
-#[derive(Clone, Copy)]
-pub(super) struct RoughInterface {
+/// `Material::RoughDielectric` at a point, unless it is index-matched.
+pub(super) struct RoughDielectricBsdf<'a> {
     pub microfacets: Microfacets,
     /// Inside over outside.
     pub eta: f32,
-    pub specular_reflectance: Rgb,
-    pub specular_transmittance: Rgb,
+    pub specular_reflectance: TextureAt<'a>,
+    pub specular_transmittance: TextureAt<'a>,
 }
 
-impl RoughInterface {
-    /// Reflection and refraction by microfacets.
-    #[inline]
-    pub fn scattering(&self, to_light: Vec3A, to_camera: Vec3A) -> Scattering {
+impl Bsdf for RoughDielectricBsdf<'_> {
+    const FLAGS: Flags = Flags::CONNECTIBLE;
+
+    fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         if to_light.z == 0.0 || to_camera.z == 0.0 {
-            return Scattering::ZERO;
+            return BsdfEvaluation::ZERO;
         }
         let across = eta_across(self.eta, to_camera);
         let reflects = to_light.z * to_camera.z > 0.0;
@@ -47,7 +46,7 @@ impl RoughInterface {
         let light_m = to_light.dot(m);
         let camera_m = to_camera.dot(m);
         if !(light_m * to_light.z > 0.0 && camera_m * to_camera.z > 0.0) {
-            return Scattering::ZERO;
+            return BsdfEvaluation::ZERO;
         }
 
         let reflectance = fresnel::dielectric(camera_m.abs().min(1.0), across).reflectance;
@@ -57,54 +56,51 @@ impl RoughInterface {
         if reflects {
             // f_r = F D G / (4 cos cos) (equation 20)
             let lobe = 0.25 * reflectance * d;
-            Scattering {
-                f: self.specular_reflectance * (lobe * light * camera),
+            BsdfEvaluation {
+                f: self.specular_reflectance.color() * (lobe * light * camera),
                 pdf_to_light: lobe * camera,
                 pdf_to_camera: lobe * light,
             }
         } else {
-            // f_s = (1 - F) D G |l.m||c.m| / (cos cos (c.m + eta l.m)^2) (equation 21); the densities
-            // by the Jacobian of refraction (equation 17)
+            // f_s = (1 - F) D G |l.m||c.m| / (cos cos (c.m + eta l.m)^2) (equation 21); the Jacobian of
+            // refraction gives the densities (equation 17)
             let root = camera_m + eta * light_m;
             let lobe = (1.0 - reflectance) * d * (light_m * camera_m).abs() / (root * root);
-            Scattering {
-                f: self.specular_transmittance * (lobe * light * camera),
+            BsdfEvaluation {
+                f: self.specular_transmittance.color() * (lobe * light * camera),
                 pdf_to_light: lobe * camera * eta * eta,
                 pdf_to_camera: lobe * light,
             }
         }
     }
-}
 
-/// Reflects or refracts `from` in a visible microfacet; `None` where the light would leave to the
-/// wrong side, to meet the surface again: that light is lost, as in Mitsuba 3.
-#[inline]
-pub(super) fn sample(
-    microfacets: Microfacets,
-    eta: f32,
-    from: Vec3A,
-    lobe: f32,
-    u: Vec2,
-) -> Option<Draw> {
-    if from.z == 0.0 {
-        return None;
-    }
-    // Mirrored in the origin if need be, so that `from` is in front: the facets stay the same.
-    let side = 1.0_f32.copysign(from.z);
-    let v = from * side;
-    let m = microfacets.sample_visible(v, u);
-    let cos = v.dot(m).clamp(0.0, 1.0);
-    let eta = eta_across(eta, from);
-    let Interface { reflectance, cos_t } = fresnel::dielectric(cos, eta);
-    if lobe < reflectance {
-        let direction = 2.0 * cos * m - v;
-        (direction.z > 0.0).then(|| Draw::reflection(side * direction.normalize()))
-    } else {
-        let inv_eta = eta.recip();
-        let direction = (cos * inv_eta - cos_t) * m - v * inv_eta;
-        (direction.z < 0.0).then(|| Draw::Density {
-            direction: side * direction.normalize(),
-            eta,
-        })
+    /// Samples a visible microfacet and reflects or refracts `from` in it; `None` where the direction
+    /// is on the wrong side of the surface: light scattered more than once is lost, as in Mitsuba 3.
+    #[inline]
+    fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if from.z == 0.0 {
+            return None;
+        }
+        // A direction from behind is mirrored in the origin, which leaves the microfacets the same.
+        let side = 1.0_f32.copysign(from.z);
+        let v = from * side;
+        let m = self.microfacets.sample_visible(v, u);
+        let cos = v.dot(m).clamp(0.0, 1.0);
+        let across = eta_across(self.eta, from);
+        let Interface { reflectance, cos_t } = fresnel::dielectric(cos, across);
+        if u_lobe < reflectance {
+            let direction = 2.0 * cos * m - v;
+            if direction.z <= 0.0 {
+                return None;
+            }
+            self.density_sample(from, side * direction.normalize(), mode, 1.0)
+        } else {
+            let inv_eta = across.recip();
+            let direction = (cos * inv_eta - cos_t) * m - v * inv_eta;
+            if direction.z >= 0.0 {
+                return None;
+            }
+            self.density_sample(from, side * direction.normalize(), mode, across)
+        }
     }
 }

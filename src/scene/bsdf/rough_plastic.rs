@@ -1,65 +1,50 @@
-//! A diffuse body under a rough dielectric coat, seen from the front, as Mitsuba 3's `roughplastic`.
+//! A diffuse substrate under a rough dielectric coat, seen from the front: Mitsuba 3's `roughplastic`.
 
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use super::conductor::{rough_reflection, sample_rough_reflection};
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
-use super::plastic::{Substrate, specular_probability, specular_weight};
-use super::{Scattering, Texture};
-use crate::math::Rgb;
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::rough_reflection;
+use super::substrate::Substrate;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::scene::texture::TextureAt;
 
 /// Entries of the tables over the cosine, equally spaced from 0 to 1.
 const TABLE_SIZE: usize = 64;
 
-/// Smallest cosine that is tabulated: at 0 nothing is visible.
+/// Smallest cosine that is tabulated: at 0 no microfacet is visible.
 const MIN_COS: f32 = 1e-6;
 
-/// Parameters of [`super::Material::RoughPlastic`], with what follows from them.
+/// Parameters of [`super::Material::RoughPlastic`], with derived constants.
 #[derive(Clone, Debug)]
 pub struct RoughPlastic {
     pub(super) substrate: Substrate,
     microfacets: Microfacets,
-    /// Inside over outside.
-    eta: f32,
-    pub(super) specular_reflectance: u32,
-    specular_weight: f32,
-    /// Share of light from outside that the coat lets in, by cosine.
+    /// Fraction of diffuse light inside that the coat reflects back.
+    internal_reflectance: f32,
+    /// Fraction of light from outside that the coat transmits, by cosine.
     transmittance: Box<[f32; TABLE_SIZE]>,
 }
 
 impl RoughPlastic {
-    pub(super) fn new(
-        microfacets: Microfacets,
-        eta: f32,
-        nonlinear: bool,
-        diffuse_reflectance: u32,
-        specular_reflectance: u32,
-        textures: &[Texture],
-    ) -> Self {
+    pub(super) fn new(microfacets: Microfacets, substrate: Substrate) -> Self {
+        let eta = substrate.eta;
         let cos = |i: usize| (i as f32 / (TABLE_SIZE - 1) as f32).max(MIN_COS);
         let (coarse, fine) = (gauss_legendre(32), gauss_legendre(96));
-        // 1/pi of the integral of R cos over the hemisphere, by Mitsuba's rule: the mean over the table.
+        // 1/pi times the integral of R cos over the hemisphere, by Mitsuba's quadrature over the table.
         let internal: f32 = (0..TABLE_SIZE)
-            .map(|i| reflected_share(microfacets, eta.recip(), cos(i), &fine) * cos(i))
+            .map(|i| reflected_fraction(microfacets, eta.recip(), cos(i), &fine) * cos(i))
             .sum();
         Self {
-            substrate: Substrate {
-                reflectance: diffuse_reflectance,
-                nonlinear,
-                internal_reflectance: 2.0 * internal / TABLE_SIZE as f32,
-                inv_eta2: (eta * eta).recip(),
-            },
+            substrate,
             microfacets,
-            eta,
-            specular_reflectance,
-            specular_weight: specular_weight(textures, diffuse_reflectance, specular_reflectance),
+            internal_reflectance: 2.0 * internal / TABLE_SIZE as f32,
             transmittance: Box::new(std::array::from_fn(|i| {
-                transmitted_share(microfacets, eta, cos(i), &coarse)
+                transmitted_fraction(microfacets, eta, cos(i), &coarse)
             })),
         }
     }
@@ -71,52 +56,61 @@ impl RoughPlastic {
         let w = x - i as f32;
         self.transmittance[i] * (1.0 - w) + self.transmittance[i + 1] * w
     }
+}
+
+/// `Material::RoughPlastic` at a point, with its two reflectances.
+pub(super) struct RoughPlasticBsdf<'a> {
+    pub plastic: &'a RoughPlastic,
+    pub diffuse: TextureAt<'a>,
+    pub specular: TextureAt<'a>,
+}
+
+impl Bsdf for RoughPlasticBsdf<'_> {
+    const FLAGS: Flags = Flags::CONNECTIBLE;
 
     #[inline]
-    pub(super) fn scattering(
-        &self,
-        diffuse: Rgb,
-        specular: Rgb,
-        to_light: Vec3A,
-        to_camera: Vec3A,
-    ) -> Scattering {
-        let Some(coat) = rough_reflection(self.microfacets, to_light, to_camera) else {
-            return Scattering::ZERO;
+    fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
+        let (diffuse, specular) = (self.diffuse.color(), self.specular.color());
+        let microfacets = self.plastic.microfacets;
+        let Some(coat) = rough_reflection::evaluate(microfacets, to_light, to_camera) else {
+            return BsdfEvaluation::ZERO;
         };
-        let light = self.transmittance(to_light.z);
-        let camera = self.transmittance(to_camera.z);
-        let fresnel = fresnel::dielectric(coat.cos, self.eta).reflectance;
+        let light = self.plastic.transmittance(to_light.z);
+        let camera = self.plastic.transmittance(to_camera.z);
+        let substrate = &self.plastic.substrate;
+        let fresnel = fresnel::dielectric(coat.cos, substrate.eta).reflectance;
         let pdf = |transmittance: f32, coat_pdf: f32, direction: Vec3A| {
-            let p = specular_probability(self.specular_weight, 1.0 - transmittance);
+            let p = substrate.specular_probability(1.0 - transmittance);
             p * coat_pdf + (1.0 - p) * cosine_hemisphere_pdf(direction.z)
         };
-        Scattering {
+        BsdfEvaluation {
             f: specular * (fresnel * coat.f)
-                + self.substrate.albedo(diffuse) * (light * camera * FRAC_1_PI),
+                + substrate.albedo(diffuse, self.plastic.internal_reflectance)
+                    * (light * camera * FRAC_1_PI),
             pdf_to_light: pdf(camera, coat.pdf_to_light, to_light),
             pdf_to_camera: pdf(light, coat.pdf_to_camera, to_camera),
         }
     }
 
-    /// The other direction; `None` from behind and where the coat reflects downwards.
     #[inline]
-    pub(super) fn sample(&self, from: Vec3A, lobe: f32, u: Vec2) -> Option<Vec3A> {
+    fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         if from.z <= 0.0 {
             return None;
         }
-        let reflectance = 1.0 - self.transmittance(from.z);
-        if lobe < specular_probability(self.specular_weight, reflectance) {
-            sample_rough_reflection(self.microfacets, from, u)
+        let reflectance = 1.0 - self.plastic.transmittance(from.z);
+        let direction = if u_lobe < self.plastic.substrate.specular_probability(reflectance) {
+            rough_reflection::sample(self.plastic.microfacets, from, u)?
         } else {
-            Some(square_to_cosine_hemisphere(u))
-        }
+            square_to_cosine_hemisphere(u)
+        };
+        self.density_sample(from, direction, mode, 1.0)
     }
 }
 
-/// Share of the light from an angle of cosine `cos` that microfacets of relative index `eta` (beyond
-/// over before) reflect to their own side: E[F G1] over the visible normals. Total internal
-/// reflection begins abruptly at the critical angle: 96 points a side leave an error of 2e-4.
-fn reflected_share(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]) -> f32 {
+/// Fraction of the light from an angle of cosine `cos` that microfacets reflect, E[F G1] over the visible
+/// normals; `eta` is the index of the far side over that of the near side. Total internal reflection is
+/// discontinuous at the critical angle: with 96 points per dimension the error is 2e-4.
+fn reflected_fraction(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]) -> f32 {
     mean_over_visible(microfacets, cos, rule, |v, m| {
         let v_m = v.dot(m).clamp(0.0, 1.0);
         let reflected = 2.0 * v_m * m - v;
@@ -125,8 +119,8 @@ fn reflected_share(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]) 
     })
 }
 
-/// As [`reflected_share`], what they let through to the other side: E[(1 - F) G1].
-fn transmitted_share(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]) -> f32 {
+/// Fraction that they transmit, E[(1 - F) G1], as [`reflected_fraction`].
+fn transmitted_fraction(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]) -> f32 {
     mean_over_visible(microfacets, cos, rule, |v, m| {
         let v_m = v.dot(m).clamp(0.0, 1.0);
         let Interface { reflectance, cos_t } = fresnel::dielectric(v_m, eta);
@@ -136,9 +130,9 @@ fn transmitted_share(microfacets: Microfacets, eta: f32, cos: f32, rule: &[Node]
     })
 }
 
-/// Mean of `f`(v, m) over the normals m that are visible from v, of cosine `cos`, by `rule` along and
-/// across the view over the random numbers of sampling. `f` may not tell m from its mirror image in
-/// the plane of v: half of the points across the view are enough.
+/// Mean of `f`(v, m) over the normals m that are visible from a direction v of cosine `cos`: `rule` is
+/// applied to both random numbers that sample m. `f` must be the same for m and its mirror image in the
+/// plane of v, so that half of the points across that plane suffice.
 fn mean_over_visible(
     microfacets: Microfacets,
     cos: f32,
@@ -156,14 +150,14 @@ fn mean_over_visible(
     sum as f32
 }
 
-/// Point and weight of a quadrature rule on [0, 1].
+/// A point of a quadrature rule on [0, 1], with its weight.
 struct Node {
     x: f64,
     weight: f64,
 }
 
-/// The Gauss-Legendre rule of `n` points: roots of Legendre's polynomial P_n by Newton's iteration
-/// from Tricomi's estimate (Abramowitz and Stegun 1964, 25.4.29 and 22.16.6).
+/// The Gauss-Legendre rule of `n` points: the roots of Legendre's polynomial P_n, found by Newton's
+/// iteration from Tricomi's estimate (Abramowitz and Stegun 1964, 25.4.29 and 22.16.6).
 fn gauss_legendre(n: u32) -> Vec<Node> {
     let node = |i: u32| {
         let mut x = (PI * (f64::from(i) + 0.75) / (f64::from(n) + 0.5)).cos();

@@ -60,7 +60,7 @@ fn scenes_without_shapes_keep_their_units() {
 }
 
 #[test]
-fn transforms_without_sense_are_refused() {
+fn invalid_transforms_are_rejected() {
     let ball = |to_world| {
         let geometry = ShapeGeometry::Sphere {
             center: DVec3::X,
@@ -95,7 +95,7 @@ fn transforms_without_sense_are_refused() {
             Some(SceneError::SingularTransform { .. })
         ));
     }
-    // Rounded in a file, tiny, huge, mirrored: all of these have sense.
+    // Valid ones: rounded in a file, tiny, huge, mirrored.
     let rounded = DMat4::from_mat3(DMat3::from_rotation_y(0.3) * 1.000_01);
     for good in [
         rounded,
@@ -131,9 +131,9 @@ fn transforms_without_sense_are_refused() {
     assert!(matches!(error, Some(SceneError::SingularTransform { .. })));
 }
 
-/// A negative radius turns a sphere inside out, as Mitsuba's does.
+/// As in Mitsuba.
 #[test]
-fn negative_radii_mirror() {
+fn negative_radii_turn_spheres_inside_out() {
     let ball = emitting(sphere(DVec3::ZERO, -1.0), Rgb::ONE);
     let scene = scene(vec![ball], vec![]);
     let mut numbers = Numbers::new(8);
@@ -146,7 +146,7 @@ fn negative_radii_mirror() {
 }
 
 #[test]
-fn emitters_know_their_shapes_and_kinds() {
+fn emitters_have_shapes_and_kinds() {
     let shapes = vec![
         sphere(DVec3::ZERO, 1.0),
         emitting(sphere(DVec3::X, 1.0), Rgb::ONE),
@@ -168,9 +168,9 @@ fn emitters_know_their_shapes_and_kinds() {
     assert_eq!(scene.geometry.material(3), 0);
 }
 
-/// The message names what is at fault and says what would be right.
+/// The message names the object at fault and the bound.
 #[test]
-fn absurd_coordinates_are_refused() {
+fn excessive_coordinates_are_rejected() {
     let far = |distance: f64| DMat4::from_translation(DVec3::Y * distance);
     let error = |to_world, center, radius, camera| {
         let mut ball = sphere(center, radius);
@@ -183,8 +183,8 @@ fn absurd_coordinates_are_refused() {
     let here = DMat4::IDENTITY;
     let at = |name, coordinate| {
         Some(format!(
-            "{name}: coordinates reach {coordinate}; they must be below 1e15 in size. Choose a larger \
-             unit of length, or leave out what is so far away"
+            "{name}: coordinates reach {coordinate}; they must be below 1e15 in absolute value. \
+             Use a larger unit of length, or remove distant objects"
         ))
     };
     assert_eq!(
@@ -210,9 +210,9 @@ fn absurd_coordinates_are_refused() {
     assert!(matches!(point, Some(SceneError::TooLarge { name, .. }) if name == "point emitter"));
 }
 
-/// Far away is a matter of how large the shapes are: squares of distances must have a place in f32.
+/// Distances are relative to the size of the shapes: their squares must not overflow f32.
 #[test]
-fn what_is_far_beside_tiny_shapes_is_refused() {
+fn objects_too_far_from_tiny_shapes_are_rejected() {
     let speck = || vec![sphere(DVec3::ZERO, 1e-9)];
     let far = DVec3::X * 1e14;
     let mut unseen = description(speck(), vec![lamp()]);
@@ -228,13 +228,13 @@ fn what_is_far_beside_tiny_shapes_is_refused() {
 }
 
 #[test]
-fn scenes_without_extent_for_f32_are_refused() {
+fn scenes_that_are_too_small_are_rejected() {
     let speck = |radius| {
         let speck = description(vec![sphere(DVec3::ZERO, radius)], vec![lamp()]);
         speck.build().err().map(|error| error.to_string())
     };
-    let message = "the scene is too small: all shapes fit into a sphere of radius 1e-13, which must be \
-                   at least 1e-12. Choose a smaller unit of length";
+    let message = "the scene is too small: the bounding sphere of all shapes has radius 1e-13, which \
+                   must be at least 1e-12. Use a smaller unit of length";
     assert_eq!(speck(1e-13).as_deref(), Some(message));
     assert_eq!(speck(2e-12), None);
 }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use super::Camera;
 use crate::scene::{CameraDescription, SceneError, ThinLens};
 
-/// Mitsuba's `look_at`: looks along +z, +x to the left.
+/// Mitsuba's `look_at`: the view is along +z, +x points left.
 fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> DMat4 {
     let forward = (target - origin).normalize();
     let left = up.cross(forward).normalize();
@@ -50,10 +50,10 @@ fn camera(lens: Option<ThinLens>) -> Camera {
 ///         'film': {'type': 'hdrfilm', 'width': 320, 'height': 200, 'rfilter': {'type': 'box'}}})
 ///     r, w = c.sample_ray(0, 0.5, film, lens); print(r.o, r.d, r.maxt)   # w is 1
 ///
-/// and the same of type `thinlens` with aperture_radius 0.3 and focus_distance 4. Lens numbers go
-/// left in Mitsuba and right here, as its camera's x axis does.
+/// and the same of type `thinlens` with aperture_radius 0.3 and focus_distance 4. The first lens number
+/// increases to the left in Mitsuba, as the x axis of its camera does, and to the right here.
 #[test]
-fn rays_are_mitsubas() {
+fn rays_agree_with_mitsuba() {
     type Row = ([f32; 2], [f32; 2], [f64; 3], [f32; 3], f32);
     let pinhole: [Row; 4] = [
         (
@@ -138,8 +138,8 @@ fn rays_are_mitsubas() {
 }
 
 proptest! {
-    /// `connect` to any point of a ray, through the lens point that it came from, finds the place on
-    /// the film that it came from; its density is `direction_pdf` over distance squared.
+    /// `connect` from any point of a ray, through the lens point of the ray, returns the film position of
+    /// the ray; its density is `direction_pdf` over the squared distance.
     #[test]
     fn connect_inverts_ray(
         x in 0.001f32..0.999, y in 0.001f32..0.999,
@@ -161,14 +161,14 @@ proptest! {
         let expected = camera.direction_pdf(ray.direction) / (distance * distance);
         prop_assert!((sample.density / expected - 1.0).abs() < 1e-3);
         prop_assert!((sample.importance / expected - 1.0).abs() < 1e-3);
-        // The free segment reaches to the near plane.
+        // The shadow ray ends at the near plane.
         let near = point + sample.direction * sample.visible_distance;
         prop_assert!((near - ray.origin).length() < 1e-2, "{near} {}", ray.origin);
     }
 }
 
-/// Over all directions through the film the density integrates to 1: in the plane at distance 1 it is
-/// 1/(A cos^3) per steradian, and the midpoint rule over the plane multiplies it by cos^3.
+/// The density integrates to 1 over all directions through the film: it is 1/(A cos^3) per steradian, and
+/// the midpoint rule over the plane at distance 1 multiplies it by cos^3.
 #[test]
 fn direction_density_integrates_to_one() {
     let camera = camera(None);
@@ -188,7 +188,7 @@ fn direction_density_integrates_to_one() {
 }
 
 #[test]
-fn what_is_not_in_view_is_not_connected() {
+fn points_out_of_view_are_not_connected() {
     let camera = camera(None);
     let at = |p: Vec3A| camera.connect(p, Vec2::splat(0.5));
     let (eye, forward) = (camera.position(), camera.forward());
@@ -218,7 +218,7 @@ fn what_is_not_in_view_is_not_connected() {
 }
 
 #[test]
-fn cameras_without_a_direction_are_refused() {
+fn singular_cameras_are_rejected() {
     for to_world in [
         DMat4::ZERO,
         DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0)),
@@ -231,7 +231,7 @@ fn cameras_without_a_direction_are_refused() {
         let error = Camera::new(&flat, 1.0, DVec3::ZERO, 1.0).err();
         assert!(matches!(error, Some(SceneError::SingularTransform { .. })));
     }
-    // However small or large.
+    // The scale of the transform does not matter.
     for scale in [1e-12, 1e12] {
         let to_world = description(None).to_world * DMat4::from_scale(DVec3::splat(scale));
         let scaled = CameraDescription {

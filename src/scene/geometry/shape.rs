@@ -1,30 +1,30 @@
-//! Surfaces as objects: what a hit on a triangle or sphere means.
+//! Shapes: from a hit on a triangle or sphere to a point on a surface.
 
 use glam::{DVec3, Mat3A, Vec2, Vec3A};
 
-use super::triangle::Corners;
+use crate::bvh::{Corners, Sphere, Triangle};
 use crate::math::Frame;
 use crate::scene::SurfacePoint;
 
-/// What all primitives of one surface share.
+/// What all primitives of a shape share.
 #[derive(Debug)]
 pub struct Shape {
-    /// How messages call it.
+    /// Its name in messages.
     pub name: String,
     /// Index of the material.
     pub material: u32,
-    /// Turn normals around.
+    /// Whether normals are reversed.
     pub flip: bool,
-    /// What is interpolated over it.
+    /// Attributes of its surface.
     pub attributes: Attributes,
 }
 
-/// What is interpolated over a surface.
+/// Attributes of a surface.
 #[derive(Debug)]
 pub enum Attributes {
-    /// Of a mesh.
+    /// Those of the vertices of a mesh.
     Mesh(MeshAttributes),
-    /// Of a sphere: rotates (and mirrors) scene axes to its own.
+    /// For a sphere, the rotation (and reflection) from scene axes to its own.
     Sphere(Mat3A),
 }
 
@@ -62,16 +62,16 @@ impl MeshAttributes {
 }
 
 impl Shape {
-    /// Unit normal of a triangle on its front side: that of the vertex normals where there are any,
-    /// since in Mitsuba the shading frame decides what is in front; else the side from which the
-    /// corners go round counter-clockwise. They differ where a transform mirrors a mesh that has
-    /// normals, and in files that contradict themselves.
+    /// Unit normal of a triangle on its front side. Vertex normals, if there are any, decide which side
+    /// that is, since in Mitsuba the shading frame does; else it is the side from which the corners are
+    /// in counter-clockwise order. The two differ where a transform mirrors a mesh that has normals,
+    /// and in inconsistent files.
     #[inline]
-    pub fn triangle_normal(&self, corners: &Corners, vertices: [u32; 3]) -> Vec3A {
-        let winding = cross(corners).normalize().as_vec3a();
+    pub fn triangle_normal(&self, triangle: &Triangle) -> Vec3A {
+        let winding = cross(&triangle.corners).normalize().as_vec3a();
         let behind = match &self.attributes {
             Attributes::Mesh(mesh) => mesh
-                .normals(vertices)
+                .normals(triangle.vertices)
                 .is_some_and(|[a, b, c]| winding.dot(a + b + c) < 0.0),
             Attributes::Sphere(_) => false,
         };
@@ -82,20 +82,23 @@ impl Shape {
         }
     }
 
-    /// The point with barycentric coordinates `b1` and `b2` on a triangle of this shape. `shape` and
-    /// `primitive` are the indices of both.
+    /// The point with barycentric coordinates `b1` and `b2` on a triangle of this shape; `primitive` is
+    /// the index of the triangle.
     #[inline]
-    pub fn on_triangle(
+    pub fn triangle_point(
         &self,
-        (shape, primitive): (u32, u32),
-        corners: &Corners,
-        vertices: [u32; 3],
-        b1: f32,
-        b2: f32,
+        triangle: &Triangle,
+        primitive: u32,
+        [b1, b2]: [f32; 2],
     ) -> SurfacePoint {
+        let &Triangle {
+            corners,
+            shape,
+            vertices,
+        } = triangle;
         let b0 = 1.0 - b1 - b2;
         let [p0, p1, p2] = corners.map(Vec3A::from_array);
-        let geometric_normal = self.triangle_normal(corners, vertices);
+        let geometric_normal = self.triangle_normal(triangle);
         let (normal, uv) = match &self.attributes {
             Attributes::Mesh(mesh) => {
                 let normal = mesh.normals(vertices).and_then(|[n0, n1, n2]| {
@@ -116,15 +119,14 @@ impl Shape {
         }
     }
 
-    /// The point of a sphere of this shape nearest to `near`; as [`Self::on_triangle`].
+    /// The point nearest to `near` on a sphere of this shape; `primitive` is the index of the sphere.
     #[inline]
-    pub fn on_sphere(
-        &self,
-        (shape, primitive): (u32, u32),
-        center: [f32; 3],
-        radius: f32,
-        near: DVec3,
-    ) -> SurfacePoint {
+    pub fn sphere_point(&self, sphere: &Sphere, primitive: u32, near: DVec3) -> SurfacePoint {
+        let &Sphere {
+            center,
+            radius,
+            shape,
+        } = sphere;
         let center = DVec3::from_array(center.map(f64::from));
         let outward = (near - center).normalize_or(DVec3::Z);
         let normal = outward.as_vec3a();
@@ -154,14 +156,16 @@ impl Shape {
     }
 }
 
-/// Twice the area of a triangle along its normal by winding; in f64, since needles leave f32 no digit.
+/// The normal of a triangle by its winding, with twice its area as length. In f64, since f32 has no
+/// correct digit for needles.
 #[inline]
 pub fn cross(corners: &Corners) -> DVec3 {
     let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
     (b - a).cross(c - a)
 }
 
-/// (phi / 2 pi, theta / pi) of a unit vector, as Mitsuba maps spheres: theta from +z, phi from +x.
+/// Mitsuba's texture coordinates of spheres, (phi / 2 pi, theta / pi) of a unit vector: theta is measured
+/// from +z, phi from +x.
 #[inline]
 fn spherical_uv(v: Vec3A) -> Vec2 {
     use std::f32::consts::{FRAC_1_PI, TAU};

@@ -1,4 +1,4 @@
-//! Values of every material against Mitsuba 3.9.1.
+//! Compares values of every material with Mitsuba 3.9.1.
 //!
 //! ```python
 //! import mitsuba as mi, numpy as np
@@ -39,7 +39,7 @@
 
 use glam::Vec2;
 
-use super::super::Distribution::{Beckmann, Ggx};
+use super::super::MicrofacetDistribution::{Beckmann, Ggx};
 use super::super::{Material, TransportMode};
 use super::{
     COLOR, TINT, UV, WHITE, conductor, dielectric, rough_conductor, rough_dielectric, textures,
@@ -66,7 +66,7 @@ fn materials() -> Vec<Material> {
     ]
 }
 
-/// To the camera, to the light.
+/// Directions to the camera and to the light.
 const PAIRS: [[(f32, f32, f32); 2]; 5] = [
     [(0.3, 0.2, 0.9), (-0.5, 0.1, 0.6)],
     [(0.9, -0.1, 0.15), (-0.7, 0.3, 0.2)],
@@ -75,8 +75,8 @@ const PAIRS: [[(f32, f32, f32); 2]; 5] = [
     [(0.2, 0.5, -0.6), (-0.4, -0.3, -0.7)],
 ];
 
-/// Material, pair, f |cos| of the light, density to the light, density to the camera; the pairs that
-/// are missing are 0.
+/// Material, pair, f |cos| of the light, density to the light, density to the camera; values of pairs
+/// that are not listed are 0.
 #[rustfmt::skip]
 const REFERENCE: [(usize, usize, [f32; 3], f32, f32); 26] = [
     (0, 0, [4.85105e-02, 1.21276e-01, 1.94042e-01], 2.42552e-01, 2.95480e-01),
@@ -107,10 +107,11 @@ const REFERENCE: [(usize, usize, [f32; 3], f32, f32); 26] = [
     (9, 4, [5.01811e-01, 3.26789e-01, 2.70182e-01], 5.33570e-01, 4.91097e-01),
 ];
 
-/// Within 1e-3: f32 on both sides, and the quadrature of rough coats. Beckmann's masking is
-/// Mitsuba's rational fit there and exact here: 0.3% for each of the two directions.
+/// Values agree within 1e-3, for rounding to f32 in both programs and the quadrature of rough coats.
+/// Beckmann's masking is exact here and a rational fit in Mitsuba, which differs by 0.3% for each of the
+/// two directions.
 #[test]
-fn values_are_those_of_mitsuba() {
+fn values_agree_with_mitsuba() {
     for (i, material) in materials().iter().enumerate() {
         let beckmann = matches!(i, 2 | 4 | 8);
         let tolerance = if beckmann { 7e-3 } else { 1e-3 };
@@ -118,7 +119,7 @@ fn values_are_those_of_mitsuba() {
         for (j, &[camera, light]) in PAIRS.iter().enumerate() {
             let camera = unit(camera.0, camera.1, camera.2);
             let light = unit(light.0, light.1, light.2);
-            let s = material.scattering(&textures(), UV, light, camera);
+            let s = material.evaluate(&textures(), UV, light, camera);
             let f_cos = s.f * light.z.abs();
             let row = REFERENCE.iter().find(|row| (row.0, row.1) == (i, j));
             let &(_, _, f, to_light, to_camera) = row.unwrap_or(&(i, j, [0.0; 3], 0.0, 0.0));
@@ -140,8 +141,8 @@ fn values_are_those_of_mitsuba() {
     }
 }
 
-/// A sample of a delta lobe: the given direction and lobe; then direction, pdf, eta, weight for
-/// radiance and for importance, from `bsdf.sample(mi.BSDFContext(mode), si, lobe, [0.3, 0.6])`.
+/// A sample of a delta lobe: the given direction and the random number for the lobe; then the direction,
+/// pdf, eta, and weights for radiance and for importance, from `bsdf.sample(mi.BSDFContext(mode), si, lobe, [0.3, 0.6])`.
 struct DeltaRow {
     from: [f32; 3],
     lobe: f32,
@@ -170,7 +171,7 @@ const PLASTIC: [DeltaRow; 1] = [
 ];
 
 #[test]
-fn delta_lobes_are_those_of_mitsuba() {
+fn delta_lobes_agree_with_mitsuba() {
     let plastic = Material::plastic(1.49, false, COLOR, TINT, &textures());
     for (material, rows) in [
         (dielectric(1.5, TINT, COLOR), GLASS.as_slice()),

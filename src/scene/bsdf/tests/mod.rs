@@ -1,4 +1,4 @@
-//! What the tests of materials share: the materials, and integration over the sphere.
+//! Tests of materials, and what they share: the materials, and integration over the sphere.
 
 mod mitsuba;
 mod physics;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use super::{Distribution, Material, metals};
+use super::{Material, MicrofacetDistribution, metals};
 use crate::math::Rgb;
 use crate::scene::Texture;
 
@@ -30,7 +30,7 @@ fn unit(x: f32, y: f32, z: f32) -> Vec3A {
     Vec3A::new(x, y, z).normalize()
 }
 
-/// `degrees` away from the normal +z.
+/// The direction at `degrees` from the normal +z.
 fn tilted(degrees: f32, azimuth: f32) -> Vec3A {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (sin_phi, cos_phi) = azimuth.sin_cos();
@@ -47,7 +47,7 @@ fn conductor(name: &str, specular_reflectance: u32) -> Material {
 }
 
 fn rough_conductor(
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha: f32,
     name: &str,
     specular_reflectance: u32,
@@ -71,7 +71,7 @@ fn dielectric(eta: f32, reflectance: u32, transmittance: u32) -> Material {
 }
 
 fn rough_dielectric(
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha: f32,
     eta: f32,
     reflectance: u32,
@@ -88,7 +88,7 @@ fn rough_dielectric(
 
 /// Materials with a lobe that is not a delta function.
 fn connectible() -> Vec<(&'static str, Material)> {
-    use Distribution::{Beckmann, Ggx};
+    use MicrofacetDistribution::{Beckmann, Ggx};
     let textures = textures();
     let rough_plastic = |distribution, alpha, eta, nonlinear| {
         Material::rough_plastic(distribution, alpha, eta, nonlinear, COLOR, WHITE, &textures)
@@ -141,9 +141,9 @@ fn connectible() -> Vec<(&'static str, Material)> {
     ]
 }
 
-/// Materials of delta lobes alone.
+/// Materials of which all lobes are delta functions.
 fn perfectly_smooth() -> Vec<(&'static str, Material)> {
-    use Distribution::Ggx;
+    use MicrofacetDistribution::Ggx;
     vec![
         ("mirror", conductor("none", WHITE)),
         ("gold", conductor("Au", TINT)),
@@ -167,9 +167,9 @@ fn spherical(theta: f64, phi: f64) -> Vec3A {
     )
 }
 
-/// Integral of `f` (per steradian) over a rectangle of polar angle and azimuth, by Gauss-Legendre
-/// with 3 x 3 points, adaptively: a part is halved both ways until that has changed it by less than
-/// 1e-7 twice in a row (once happens by chance beside an edge of `f`).
+/// Integral of `f` (per steradian) over a rectangle of polar angle and azimuth, by adaptive
+/// Gauss-Legendre quadrature with 3 x 3 points: a part is divided in four until that changes it by less
+/// than 1e-7 twice in a row (once can happen by chance near a discontinuity of `f`).
 fn integrate(f: &impl Fn(Vec3A) -> f64, theta: [f64; 2], phi: [f64; 2]) -> f64 {
     refine(f, [theta, phi], gauss(f, theta, phi), false, 0)
 }
@@ -217,7 +217,7 @@ fn gauss(f: &impl Fn(Vec3A) -> f64, theta: [f64; 2], phi: [f64; 2]) -> f64 {
     sum * (theta[1] - theta[0]) * (phi[1] - phi[0])
 }
 
-/// As [`integrate`], on 256 x 256 evenly spaced points.
+/// As [`integrate`], by the midpoint rule with 256 x 256 points.
 fn integrate_evenly(f: &impl Fn(Vec3A) -> f64, theta: [f64; 2], phi: [f64; 2]) -> f64 {
     const N: u32 = 256;
     let width = |[a, b]: [f64; 2]| (b - a) / f64::from(N);
@@ -245,5 +245,5 @@ fn integrate_hemisphere(f: &impl Fn(Vec3A) -> f64) -> f64 {
     sum
 }
 
-/// Texture coordinates where it does not matter.
+/// Texture coordinates for constant textures.
 const UV: Vec2 = Vec2::new(0.3, 0.7);

@@ -1,11 +1,11 @@
-//! Reciprocity, energy, and numbers that stay finite.
+//! Reciprocity, conservation of energy, and finite numbers.
 
 use glam::{Vec2, Vec3A};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::{BsdfSample, Distribution, Material, TransportMode};
+use super::super::{BsdfSample, Material, MicrofacetDistribution, TransportMode};
 use super::{
     COLOR, UV, WHITE, conductor, connectible, dielectric, perfectly_smooth, rough_conductor,
     rough_dielectric, textures, tilted, unit,
@@ -33,8 +33,8 @@ fn eta(material: &Material) -> f32 {
     }
 }
 
-/// f(i -> o) / eta_o^2 = f(o -> i) / eta_i^2 (Veach 1997, equation 5.14), and the densities change
-/// places.
+/// f(i -> o) / eta_o^2 = f(o -> i) / eta_i^2 (Veach 1997, equation 5.14), and the two densities are
+/// exchanged.
 #[test]
 fn scattering_is_reciprocal() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
@@ -52,8 +52,8 @@ fn scattering_is_reciprocal() {
                 tilted(degrees, azimuth)
             };
             let (a, b) = (direction(), direction());
-            let there = material.scattering(&textures(), UV, a, b);
-            let back = material.scattering(&textures(), UV, b, a);
+            let there = material.evaluate(&textures(), UV, a, b);
+            let back = material.evaluate(&textures(), UV, b, a);
             // From a to b, radiance ends on the side of b.
             let (f, g) = (there.f / squared_index(b), back.f / squared_index(a));
             let error = (f - g).abs().max_element();
@@ -72,9 +72,9 @@ fn scattering_is_reciprocal() {
     }
 }
 
-/// Sampled from the camera's side or from the light's side, the scattering function of a pair of
-/// directions is the same, for delta lobes too: weight pdf / |cos| = f, where `reverse_pdf` says the
-/// density of the way back in the measure of the way there.
+/// The scattering function of a pair of directions is the same whether it is sampled from the camera's
+/// side or from the light's, also for delta lobes: weight pdf / |cos| = f, where `reverse_pdf` is the
+/// density of the reverse direction in the measure of the forward one.
 #[test]
 fn delta_lobes_agree_from_both_ends() {
     let mut cases = perfectly_smooth();
@@ -96,7 +96,7 @@ fn delta_lobes_agree_from_both_ends() {
                 let light = there.direction;
                 let Some(back) = sample(&material, light, IMPORTANCE, lobe, Vec2::splat(0.5))
                 else {
-                    panic!("{name}: no way back");
+                    panic!("{name}: no sample in reverse");
                 };
                 assert!(
                     (back.direction - camera).length() < 1e-4,
@@ -120,7 +120,7 @@ fn delta_lobes_agree_from_both_ends() {
     }
 }
 
-/// Share of the light from `from` that goes on, and its standard error.
+/// Fraction of the light from `from` that is scattered, and its standard error.
 fn albedo(material: &Material, from: Vec3A, seed: u64) -> (f64, f64) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let count = 20_000;
@@ -139,10 +139,10 @@ fn albedo(material: &Material, from: Vec3A, seed: u64) -> (f64, f64) {
     )
 }
 
-/// Nothing scatters more light than it receives: 4.5 standard errors above 1 are a false alarm in
-/// 3e-6 of the settings, of which there are 180. (The greatest channel overestimates at most.)
+/// No material scatters more light than it receives. The bound is 4.5 standard errors above 1: a false
+/// alarm in 3e-6 of the settings, of which there are 180. (The maximum over channels is an upper bound.)
 #[test]
-fn no_light_is_made() {
+fn energy_is_conserved() {
     let mut cases = connectible();
     cases.extend(perfectly_smooth());
     for (name, material) in cases {
@@ -159,11 +159,11 @@ fn no_light_is_made() {
     }
 }
 
-/// White surfaces that lose nothing: smooth ones exactly, rough ones but for light that would meet
-/// the surface again.
+/// White surfaces scatter all light: smooth ones exactly, rough ones up to the light that would hit the
+/// surface again.
 #[test]
-fn white_surfaces_lose_nothing() {
-    use Distribution::{Beckmann, Ggx};
+fn white_surfaces_absorb_nothing() {
+    use MicrofacetDistribution::{Beckmann, Ggx};
     for material in [conductor("none", WHITE), dielectric(1.5, WHITE, WHITE)] {
         for degrees in [0.0, 30.0, 60.0, 89.0] {
             for lobe in [0.0, 0.5, 0.999] {
@@ -193,9 +193,9 @@ fn white_surfaces_lose_nothing() {
     }
 }
 
-/// Seen from behind, one-sided materials are black; glass and `TwoSided` are not.
+/// One-sided materials are black from behind; glass and `TwoSided` are not.
 #[test]
-fn backs_are_black() {
+fn one_sided_materials_are_black_from_behind() {
     let front = tilted(30.0, 0.0);
     let behind = tilted(150.0, 0.0);
     let is_glass = |material: &Material| {
@@ -215,16 +215,16 @@ fn backs_are_black() {
             });
             assert_eq!(sampled, two_sided, "{name}");
         }
-        let s = material.scattering(&textures(), UV, behind, tilted(160.0, 2.0));
+        let s = material.evaluate(&textures(), UV, behind, tilted(160.0, 2.0));
         let seen = two_sided && material.is_connectible();
         assert_eq!(s.f.max_element() > 0.0, seen, "{name}");
-        let through = material.scattering(&textures(), UV, behind, front);
+        let through = material.evaluate(&textures(), UV, behind, front);
         assert!(is_glass(&material) || through.f == Rgb::ZERO, "{name}");
     }
 }
 
 #[test]
-fn lobes_are_known() {
+fn flags_are_those_of_the_lobes() {
     for (name, material) in connectible() {
         assert!(material.is_connectible(), "{name}");
         let delta = matches!(material, Material::Plastic(_) | Material::TwoSided { .. });
@@ -238,8 +238,8 @@ fn lobes_are_known() {
     }
 }
 
-/// Cosines that have broken implementations before.
-fn awkward_cosine() -> impl Strategy<Value = f32> {
+/// Cosines prone to numerical failure.
+fn extreme_cosine() -> impl Strategy<Value = f32> {
     prop_oneof![
         Just(0.0_f32),
         Just(1.0),
@@ -251,8 +251,8 @@ fn awkward_cosine() -> impl Strategy<Value = f32> {
     ]
 }
 
-fn awkward_direction() -> impl Strategy<Value = Vec3A> {
-    (awkward_cosine(), 0.0f32..7.0, any::<bool>()).prop_map(|(z, azimuth, front)| {
+fn extreme_direction() -> impl Strategy<Value = Vec3A> {
+    (extreme_cosine(), 0.0f32..7.0, any::<bool>()).prop_map(|(z, azimuth, front)| {
         let r = (1.0 - z * z).sqrt();
         unit(
             r * azimuth.cos(),
@@ -262,8 +262,8 @@ fn awkward_direction() -> impl Strategy<Value = Vec3A> {
     })
 }
 
-fn awkward_material() -> impl Strategy<Value = Material> {
-    use Distribution::{Beckmann, Ggx};
+fn extreme_material() -> impl Strategy<Value = Material> {
+    use MicrofacetDistribution::{Beckmann, Ggx};
     let distribution = prop_oneof![Just(Beckmann), Just(Ggx)];
     let alpha = prop_oneof![Just(0.0_f32), Just(1e-4), Just(0.1), Just(1.0), Just(20.0)];
     let eta = prop_oneof![
@@ -286,14 +286,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
     #[test]
     fn numbers_stay_finite(
-        material in awkward_material(),
-        from in awkward_direction(),
-        to in awkward_direction(),
+        material in extreme_material(),
+        from in extreme_direction(),
+        to in extreme_direction(),
         lobe in prop_oneof![Just(0.0_f32), Just(1.0 - f32::EPSILON), 0.0f32..1.0],
         u in prop_oneof![Just(0.0_f32), Just(1.0 - f32::EPSILON / 2.0), 0.0f32..1.0],
         v in prop_oneof![Just(0.0_f32), Just(1.0 - f32::EPSILON / 2.0), 0.0f32..1.0],
     ) {
-        let s = material.scattering(&textures(), UV, to, from);
+        let s = material.evaluate(&textures(), UV, to, from);
         prop_assert!(s.f.is_finite() && s.f.min_element() >= 0.0, "{s:?}");
         for pdf in [s.pdf_to_light, s.pdf_to_camera] {
             prop_assert!(pdf.is_finite() && pdf >= 0.0, "{s:?}");
@@ -310,11 +310,11 @@ proptest! {
     }
 }
 
-/// A rough interface between equal media, and its like, let all light straight through.
+/// A rough interface between media of equal or nearly equal index transmits all light undeflected.
 #[test]
-fn matched_interfaces_are_invisible() {
+fn index_matched_interfaces_are_invisible() {
     for eta in [1.0, 1.000_05] {
-        let material = rough_dielectric(Distribution::Ggx, 0.5, eta, WHITE, WHITE);
+        let material = rough_dielectric(MicrofacetDistribution::Ggx, 0.5, eta, WHITE, WHITE);
         let from = tilted(50.0, 1.0);
         let s = sample(&material, from, RADIANCE, 0.5, Vec2::splat(0.2)).expect("a direction");
         assert!(s.delta && (s.direction + from).length() < 1e-3, "{s:?}");

@@ -1,4 +1,4 @@
-//! That directions are sampled with the density that is claimed for them.
+//! Compares sampled directions with their density.
 
 use std::f64::consts::PI;
 
@@ -6,29 +6,29 @@ use glam::{Vec2, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::{BsdfSample, Material, Scattering, TransportMode};
+use super::super::{BsdfEvaluation, BsdfSample, Material, TransportMode};
 use super::{UV, connectible, integrate, integrate_evenly, textures, tilted};
 use crate::statistics::{chi_square, holm};
 
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
-/// The scattering function where `from` is given and `direction` sampled.
-fn scattering(
+/// Evaluates the material where `from` is given and `direction` is sampled.
+fn evaluate(
     material: &Material,
     mode: TransportMode,
     from: Vec3A,
     direction: Vec3A,
-) -> Scattering {
+) -> BsdfEvaluation {
     let (to_light, to_camera) = match mode {
         TransportMode::Radiance => (direction, from),
         TransportMode::Importance => (from, direction),
     };
-    material.scattering(&textures(), UV, to_light, to_camera)
+    material.evaluate(&textures(), UV, to_light, to_camera)
 }
 
 /// Density of sampling `direction`.
-fn claimed_pdf(material: &Material, mode: TransportMode, from: Vec3A, direction: Vec3A) -> f32 {
-    let s = scattering(material, mode, from, direction);
+fn pdf_of(material: &Material, mode: TransportMode, from: Vec3A, direction: Vec3A) -> f32 {
+    let s = evaluate(material, mode, from, direction);
     match mode {
         TransportMode::Radiance => s.pdf_to_light,
         TransportMode::Importance => s.pdf_to_camera,
@@ -50,9 +50,8 @@ fn random_samples(
     })
 }
 
-/// p-value of the hypothesis that `material` samples from its density: Pearson's chi-square on 12 x
-/// 24 cells of equal angles, and one for all that is no direction of the density: paths that end
-/// and delta lobes.
+/// p-value of the hypothesis that `material` samples from its density: Pearson's chi-square test on 12 x
+/// 24 cells of equal angles, and one cell for all other outcomes (paths that end, and delta lobes).
 fn chi_square_p(material: &Material, mode: TransportMode, from: Vec3A, seed: u64) -> f64 {
     const COUNT: usize = 60_000;
     const ROWS: usize = 12;
@@ -71,13 +70,14 @@ fn chi_square_p(material: &Material, mode: TransportMode, from: Vec3A, seed: u64
         };
         observed[cell] += 1;
     }
-    let density = |direction: Vec3A| f64::from(claimed_pdf(material, mode, from, direction));
+    let density = |direction: Vec3A| f64::from(pdf_of(material, mode, from, direction));
     let mut expected = Vec::with_capacity(observed.len());
     for row in 0..ROWS {
         for column in 0..2 * ROWS {
             let [t, p] = [row, column].map(|i| [i as f64 * step, (i + 1) as f64 * step]);
             let mut mean = COUNT as f64 * integrate(&density, t, p);
-            // Beside an edge of the density a part can escape the adaptive rule: in doubt, look twice.
+            // The adaptive rule can miss a part near a discontinuity: a suspicious cell is integrated
+            // again.
             let count = observed[expected.len()] as f64;
             if (count - mean).powi(2) > 9.0 * mean {
                 mean = COUNT as f64 * integrate_evenly(&density, t, p);
@@ -91,13 +91,13 @@ fn chi_square_p(material: &Material, mode: TransportMode, from: Vec3A, seed: u64
         "density integrates to more than 1: {rest}"
     );
     expected.push(rest);
-    // A sliver in the corner of a cell can escape both rules: never expect nothing at all.
+    // Both rules can miss a sliver in the corner of a cell: expectations are never 0.
     let expected: Vec<f64> = expected.iter().map(|e| e.max(1e-3)).collect();
     chi_square(&observed, &expected)
 }
 
-/// Null hypothesis: each material samples the density that `scattering` claims, in 14 x 7 settings.
-/// Holm-corrected over all of them, at level 1%: the false-alarm rate over the choice of seeds.
+/// Null hypothesis: each material samples the density that `evaluate` returns, in 14 x 7 settings. With
+/// Holm's correction over all of them, the level is 1%: the false-alarm rate over the choice of seeds.
 #[test]
 fn directions_follow_their_density() {
     let directions = [
@@ -124,9 +124,9 @@ fn directions_follow_their_density() {
     }
 }
 
-/// What `sample` says of a direction is what `scattering` says of it, in either mode.
+/// Weights and densities of a sample are those that `evaluate` returns, in either mode.
 #[test]
-fn samples_agree_with_the_scattering_function() {
+fn samples_agree_with_evaluation() {
     for (name, material) in connectible() {
         for (seed, mode) in [(1, MODES[0]), (2, MODES[1])] {
             for from in [tilted(40.0, 1.0), tilted(88.0, 0.0), tilted(130.0, 3.0)] {
@@ -135,7 +135,7 @@ fn samples_agree_with_the_scattering_function() {
                         continue;
                     }
                     let d = sample.direction;
-                    let s = scattering(&material, mode, from, d);
+                    let s = evaluate(&material, mode, from, d);
                     let (pdf, reverse) = match mode {
                         TransportMode::Radiance => (s.pdf_to_light, s.pdf_to_camera),
                         TransportMode::Importance => (s.pdf_to_camera, s.pdf_to_light),
@@ -145,8 +145,8 @@ fn samples_agree_with_the_scattering_function() {
                     let error = sample.weight * pdf - s.f * d.z.abs();
                     assert!(error.abs().max_element() <= 1e-5 * pdf, "{name}: {error}");
                     assert!((d.length() - 1.0).abs() < 1e-5, "{name}: {d}");
-                    // The density of the way back, asked for as such.
-                    let back = claimed_pdf(&material, mode, d, from);
+                    // The density of the reverse direction, evaluated as a forward one.
+                    let back = pdf_of(&material, mode, d, from);
                     assert!((back - reverse).abs() <= 1e-3 * (back + reverse), "{name}");
                 }
             }
@@ -154,10 +154,10 @@ fn samples_agree_with_the_scattering_function() {
     }
 }
 
-/// Along lines through the square of random numbers, directions move by little at each step: the map
-/// has no seam.
+/// Along lines through the square of random numbers, directions change little from step to step: the map
+/// is continuous.
 #[test]
-fn small_steps_are_small() {
+fn sampling_is_continuous() {
     const STEPS: u32 = 2000;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
     let textures = textures();
@@ -176,7 +176,8 @@ fn small_steps_are_small() {
                 });
                 let mut before: Option<BsdfSample> = None;
                 for sample in samples {
-                    // A rough lobe changes from reflection to refraction with the facet's angle.
+                    // A rough interface changes from reflection to refraction with the angle of the
+                    // microfacet.
                     if let (Some(a), Some(b)) = (before, sample)
                         && a.eta == b.eta
                     {

@@ -1,8 +1,8 @@
-//! Fresnel's equations and the statistics of microfacets.
+//! Fresnel's equations, microfacet distributions, and tables of indices of refraction.
 
 use glam::Vec3A;
 
-use super::super::Distribution::{Beckmann, Ggx};
+use super::super::MicrofacetDistribution::{Beckmann, Ggx};
 use super::super::fresnel::{self, internal_diffuse_reflectance};
 use super::super::microfacet::{Microfacets, erf_inv};
 use super::super::{ior, metals};
@@ -19,7 +19,8 @@ fn fresnel_matches_closed_forms() {
         let at = |cos: f32| fresnel::dielectric(cos, eta);
         let normal = ((eta - 1.0) / (eta + 1.0)).powi(2);
         assert!(close(at(1.0).reflectance, normal), "{eta}");
-        // Brewster's angle: tan = eta, nothing of p is reflected, and s gives half of this square.
+        // At Brewster's angle, tan = eta, p-polarised light is not reflected: the mean reflectance is
+        // half of that of s-polarised light.
         let brewster = 0.5 * ((eta * eta - 1.0) / (eta * eta + 1.0)).powi(2);
         let cos = (1.0 + eta * eta).sqrt().recip();
         assert!(close(at(cos).reflectance, brewster), "{eta}");
@@ -39,7 +40,7 @@ fn total_internal_reflection_begins_at_the_critical_angle() {
 }
 
 #[test]
-fn both_sides_transmit_the_same() {
+fn transmittance_is_the_same_from_both_sides() {
     for i in 1..=20 {
         let cos = i as f32 / 20.0;
         for eta in [1.2, 1.5, 2.4] {
@@ -57,7 +58,7 @@ fn both_sides_transmit_the_same() {
 #[test]
 fn conductors_match_closed_forms() {
     let (eta, k) = metals::metal("Au").expect("gold");
-    // (n - 1)^2 + k^2 over (n + 1)^2 + k^2 at normal incidence; all is reflected at grazing.
+    // ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) at normal incidence, and 1 at grazing incidence.
     let normal = ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k);
     assert!(
         (fresnel::conductor(1.0, eta, k) - normal)
@@ -86,7 +87,7 @@ fn conductors_match_closed_forms() {
     }
 }
 
-/// Against the integral 2 F(mu) mu dmu from 0 to 1 by the midpoint rule.
+/// Compares the fit with the integral of 2 F(mu) mu dmu from 0 to 1 by the midpoint rule.
 #[test]
 fn internal_diffuse_reflectance_is_the_integral() {
     let n = 20_000;
@@ -110,8 +111,9 @@ fn internal_diffuse_reflectance_is_the_integral() {
     }
 }
 
-/// The facets project to the area of the surface, D cos to 1, and the visible ones to what is seen of
-/// it from there: D_v is a density. Walter's rational fit of Beckmann's masking fails the second by 0.3%.
+/// D cos integrates to 1, since the projected area of the microfacets is that of the surface; and D_v
+/// integrates to 1, since it is a density. With Walter's rational fit of Beckmann's masking the second
+/// integral is off by 0.3%.
 #[test]
 fn microfacet_densities_are_normalised() {
     for distribution in [Beckmann, Ggx] {
@@ -133,7 +135,7 @@ fn microfacet_densities_are_normalised() {
 }
 
 #[test]
-fn names_are_known_in_either_case_where_mitsuba_knows_them_so() {
+fn names_are_those_of_mitsuba_in_the_same_case() {
     assert_eq!(ior::ior("BK7"), Some(1.5046));
     assert_eq!(ior::ior("carbon dioxide"), Some(1.000_45));
     assert_eq!(ior::ior("bk8"), None);

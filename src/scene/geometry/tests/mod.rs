@@ -1,4 +1,4 @@
-//! Tests of intersection.
+//! Tests of surfaces and of rays between them.
 
 mod intersection;
 mod robustness;

@@ -5,7 +5,7 @@ use crate::scene::{
     Ray, RayCounts, Scene, ShapeDescription, ShapeGeometry, SurfacePoint, TriangleMesh,
 };
 
-/// The first hit of a ray given in world coordinates, its position in them too.
+/// The first hit of a ray given in world coordinates.
 fn cast(scene: &Scene, origin: DVec3, direction: DVec3) -> Option<SurfacePoint> {
     let ray = Ray {
         origin: ((origin - scene.center) / scene.unit).as_vec3a(),
@@ -24,7 +24,7 @@ fn plate(normals: Vec<[f32; 3]>) -> TriangleMesh {
     }
 }
 
-/// Shading normal and texture coordinates where a ray from (0.3, 0.2, 5) along -z meets a shape under
+/// Shading normal and texture coordinates where a ray from (0.3, 0.2, 5) along -z hits a shape under the
 /// identity, mirroring in x, in z, and in all axes; then the same with `flip_normals`. From Mitsuba:
 ///
 ///     s = mi.load_dict({'type': 'scene', 'a': {'type': ..., 'flip_normals': ..., 'to_world': ...}})
@@ -33,7 +33,7 @@ fn plate(normals: Vec<[f32; 3]>) -> TriangleMesh {
 /// OBJ meshes hold the two triangles of `plate`; with `face_normals` or without normals, and with the
 /// normal (0, 0.6, -0.8) at all vertices.
 #[test]
-fn sides_and_texture_coordinates_are_mitsubas() {
+fn sides_and_texture_coordinates_agree_with_mitsuba() {
     const Z: [f64; 3] = [0.0, 0.0, 1.0];
     const S: [f64; 3] = [0.3, 0.2, 0.932_738];
     const N: [f64; 3] = [0.0, 0.6, -0.8];
@@ -121,11 +121,11 @@ fn sides_and_texture_coordinates_are_mitsubas() {
         for (mirror, (normal, sign, uv)) in mirrors.into_iter().zip(expected) {
             for flip_normals in [false, true] {
                 let to_world = DMat4::from_scale(mirror);
-                let placed = ShapeDescription {
+                let transformed = ShapeDescription {
                     flip_normals,
                     ..shape(geometry(&to_world), to_world)
                 };
-                let scene = scene(vec![placed], vec![]);
+                let scene = scene(vec![transformed], vec![]);
                 let hit = cast(&scene, DVec3::new(0.3, 0.2, 5.0), DVec3::NEG_Z).expect("a hit");
                 let sign = if flip_normals { -sign } else { sign };
                 let normal = (DVec3::from_array(normal) * sign).as_vec3a();
@@ -165,10 +165,10 @@ fn normals_of_a_smooth_mesh_are_interpolated_and_perpendicular_to_the_surface() 
     assert!(largest > 1e-4, "flat: {largest}");
 }
 
-/// A scene at another place, or of another size, or both, is the same scene: every hit in the same
-/// place to within the precision of f32 at the scene's size.
+/// A scene that is translated or scaled has the same hits, up to the precision of f32 relative to the size
+/// of the scene.
 #[test]
-fn geometry_does_not_depend_on_scale_or_place() {
+fn geometry_does_not_depend_on_scale_or_position() {
     let build = |change: DMat4| {
         let mut shapes = vec![
             mesh(TriangleMesh::cube(), DMat4::from_rotation_x(0.5)),
@@ -240,8 +240,8 @@ fn needles_have_a_normal() {
     assert!((hit.geometric_normal - expected).length() < 1e-4, "{hit:?}");
 }
 
-/// A transform that stretches turns normals by its inverse transpose: (0, 0.6, -0.8) under (1, 2, 4)
-/// becomes (0, 0.3, -0.2), turned back to unit length.
+/// The inverse transpose of a transform maps normals: (0, 0.6, -0.8) under a scale of (1, 2, 4) becomes
+/// (0, 0.3, -0.2), normalised.
 #[test]
 fn stretched_normals_stay_perpendicular() {
     let plate = plate(vec![[0.0, 0.6, -0.8]; 4]);

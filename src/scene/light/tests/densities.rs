@@ -1,4 +1,4 @@
-//! Every sampling routine against the density that it and the other routines claim.
+//! Compares every sampling routine with the density that it and the other routines return.
 
 use std::f32::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ fn cell(direction: Vec3A) -> usize {
     row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
 }
 
-/// Integral over each cell of a density per steradian, by midpoints.
+/// Integral of a density per steradian over each cell, by the midpoint rule.
 fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
     let mut cells = vec![0.0; ROWS * COLUMNS];
     let (rows, columns) = (ROWS * per_side, COLUMNS * per_side);
@@ -37,11 +37,11 @@ fn integrate(per_side: usize, density: impl Fn(Vec3A) -> f64) -> Vec<f64> {
     cells
 }
 
-/// Density per steradian of sampling `direction` for `point`, whatever is hidden by what.
+/// Density per steradian of sampling `direction` for `point`, regardless of occlusion.
 fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     let mut density = scene
         .emitters
-        .escape(direction)
+        .evaluate_environment(direction)
         .map_or(0.0, |light| f64::from(light.pdf_direct));
     let mut origin = point;
     while let Some(hit) = scene.geometry.intersect(
@@ -52,7 +52,7 @@ fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
         },
         &mut RayCounts::default(),
     ) {
-        if let Some(light) = scene.emitters.hit(&hit, point) {
+        if let Some(light) = scene.emitters.evaluate_surface(&hit, point) {
             let cos = -hit.geometric_normal.dot(direction);
             let factor = (hit.position - point).length_squared() / cos;
             density += f64::from(light.pdf_direct * factor);
@@ -62,13 +62,13 @@ fn density_along(scene: &Scene, point: Vec3A, direction: Vec3A) -> f64 {
     density
 }
 
-/// Null hypothesis: directions sampled for a point have the density that `hit` and `escape` tell of
-/// what a ray in that direction meets, which is another way to the same number.
+/// Null hypothesis: directions sampled for a point have the density that `evaluate_surface` and
+/// `evaluate_environment` return for the hit of a ray in that direction, which is computed independently.
 #[test]
-fn direct_sampling_has_the_density_that_hits_tell() {
+fn direct_sampling_has_the_density_of_hits() {
     for (name, scene, world) in extended_lights() {
         let point = to_scene(&scene, world);
-        // Around the axis to the origin of the world, where most of the lights are.
+        // The axis points to the origin of the world, near which most of the lights are.
         let frame = Frame::from_normal((to_scene(&scene, DVec3::ZERO) - point).normalize());
         let samples = 100_000;
         let expected: Vec<f64> = integrate(24, |local| {
@@ -80,15 +80,12 @@ fn direct_sampling_has_the_density_that_hits_tell() {
         let mut observed = vec![0; expected.len()];
         let mut numbers = Numbers::new(1);
         for _ in 0..samples {
-            let sample =
-                scene
-                    .emitters
-                    .sample_direct(point, numbers.unit(), numbers.unit(), numbers.pair());
+            let sample = sample_direct(&scene, point, &mut numbers);
             if let Some(sample) = sample.filter(|sample| !sample.delta) {
                 observed[cell(frame.to_local(sample.direction))] += 1;
             }
         }
-        // Cells where a silhouette leaves next to nothing are beyond the midpoint rule.
+        // The midpoint rule is inaccurate in cells that a silhouette leaves almost empty.
         let total: u64 = observed.iter().sum();
         let rest = f64::from(samples) - expected.iter().sum::<f64>();
         let (mut observed, mut expected): (Vec<u64>, Vec<f64>) = observed
@@ -107,7 +104,7 @@ fn direct_sampling_has_the_density_that_hits_tell() {
     }
 }
 
-/// What `sample_direct` says of its sample is what `hit` and `escape` say of the same direction.
+/// Radiance and densities of a direct sample are those of the hit of a ray in the same direction.
 #[test]
 fn direct_samples_equal_hits() {
     for (name, scene, world) in extended_lights() {
@@ -115,30 +112,26 @@ fn direct_samples_equal_hits() {
         let mut numbers = Numbers::new(2);
         let mut compared = 0;
         for _ in 0..5_000 {
-            let Some(sample) =
-                scene
-                    .emitters
-                    .sample_direct(point, numbers.unit(), numbers.unit(), numbers.pair())
-            else {
+            let Some(sample) = sample_direct(&scene, point, &mut numbers) else {
                 continue;
             };
             let free = scene
                 .geometry
                 .visible(point, sample.target, &mut RayCounts::default());
-            if sample.delta || !free || sample.geometry < 1e-7 {
+            if sample.delta || !free || sample.jacobian_direction < 1e-7 {
                 continue;
             }
-            let Some((met, factor)) = light_met(&scene, point, sample.direction) else {
-                panic!("{name}: {sample:?} is not met");
+            let Some((hit, factor)) = light_hit(&scene, point, sample.direction) else {
+                panic!("{name}: {sample:?} is not hit");
             };
             compared += 1;
             let sampled = sample.emission;
             for (what, a, b, tolerance) in [
-                ("radiance", sampled.radiance.y, met.radiance.y, 1e-2),
-                ("direct", sampled.pdf_direct, met.pdf_direct, 2e-2),
-                ("position", sampled.pdf_position, met.pdf_position, 1e-3),
-                ("direction", sampled.pdf_direction, met.pdf_direction, 2e-2),
-                ("geometry", sample.geometry * factor, 1.0, 2e-2),
+                ("radiance", sampled.radiance.y, hit.radiance.y, 1e-2),
+                ("direct", sampled.pdf_direct, hit.pdf_direct, 2e-2),
+                ("position", sampled.pdf_position, hit.pdf_position, 1e-3),
+                ("direction", sampled.pdf_direction, hit.pdf_direction, 2e-2),
+                ("jacobian", sample.jacobian_direction * factor, 1.0, 2e-2),
             ] {
                 assert!(
                     (a - b).abs() <= tolerance * a.abs().max(b.abs()),
@@ -150,8 +143,9 @@ fn direct_samples_equal_hits() {
     }
 }
 
-/// Null hypotheses: y_0 is uniform on surfaces and distributed by `escape` at infinity; directions
-/// from surfaces go with the cosine, from points evenly; starts from infinity fill the disk evenly.
+/// Null hypotheses: y_0 is uniform on surfaces and has the density of `evaluate_environment` at infinity;
+/// directions are cosine-weighted on surfaces and uniform from points; origins of light from infinity are
+/// uniform on the disk.
 #[test]
 fn emission_has_its_densities() {
     let mut scenes = extended_lights();
@@ -162,15 +156,10 @@ fn emission_has_its_densities() {
         let mut numbers = Numbers::new(3);
         let mut chosen = vec![0; scene.emitters.len()];
         // cos^2 and azimuth around the normal; or radius^2 and azimuth in the disk; or direction.
-        let mut ways = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
-        let mut places = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
+        let mut directions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
+        let mut positions = vec![vec![0; ROWS * COLUMNS]; scene.emitters.len()];
         for _ in 0..samples {
-            let Some(sample) = scene.emitters.sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            ) else {
+            let Some(sample) = sample_emission(&scene, &mut numbers) else {
                 continue;
             };
             let i = sample.emitter as usize;
@@ -179,19 +168,19 @@ fn emission_has_its_densities() {
             match scene.emitters.kind(sample.emitter) {
                 EmitterKind::Area => {
                     let local = frame.to_local(sample.direction);
-                    ways[i][cell(local.with_z(2.0 * local.z * local.z - 1.0))] += 1;
+                    directions[i][cell(local.with_z(2.0 * local.z * local.z - 1.0))] += 1;
                 }
-                EmitterKind::Point => ways[i][cell(sample.direction)] += 1,
+                EmitterKind::Point => directions[i][cell(sample.direction)] += 1,
                 EmitterKind::Directional => {}
                 EmitterKind::Constant | EmitterKind::Envmap => {
-                    ways[i][cell(-sample.direction)] += 1;
+                    directions[i][cell(-sample.direction)] += 1;
                 }
             }
             if sample.infinite {
                 let local = frame.to_local(sample.origin);
                 let r2 =
                     Vec2::new(local.x, local.y).length_squared() / (SCENE_RADIUS * SCENE_RADIUS);
-                places[i][cell(local.with_z((2.0 * r2 - 1.0).min(1.0)))] += 1;
+                positions[i][cell(local.with_z((2.0 * r2 - 1.0).min(1.0)))] += 1;
             }
         }
         let emitters = 0..scene.emitters.len() as u32;
@@ -201,24 +190,27 @@ fn emission_has_its_densities() {
             .collect();
         let p = chi_square(&chosen, &choice);
         assert!(p > 1e-4, "{name}, choice: p = {p}");
-        let even = |n: u64| vec![n as f64 / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
+        let uniform = |n: u64| vec![n as f64 / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
         for i in emitters {
             let (n, at) = (chosen[i as usize], i as usize);
             let probability = scene.emitters.probability(i);
-            let by_escape = || {
+            let by_environment = || {
                 integrate(12, |direction| {
-                    let light = scene.emitters.escape(direction);
+                    let light = scene.emitters.evaluate_environment(direction);
                     light.map_or(0.0, |l| f64::from(l.pdf_position / probability) * n as f64)
                 })
             };
-            let (way, place) = match scene.emitters.kind(i) {
-                EmitterKind::Area | EmitterKind::Point => (Some(even(n)), None),
-                EmitterKind::Directional => (None, Some(even(n))),
-                EmitterKind::Constant | EmitterKind::Envmap => (Some(by_escape()), Some(even(n))),
+            let (direction, position) = match scene.emitters.kind(i) {
+                EmitterKind::Area | EmitterKind::Point => (Some(uniform(n)), None),
+                EmitterKind::Directional => (None, Some(uniform(n))),
+                EmitterKind::Constant | EmitterKind::Envmap => {
+                    (Some(by_environment()), Some(uniform(n)))
+                }
             };
-            for (what, observed, expected) in
-                [("way", &ways[at], way), ("place", &places[at], place)]
-            {
+            for (what, observed, expected) in [
+                ("direction", &directions[at], direction),
+                ("position", &positions[at], position),
+            ] {
                 if let Some(expected) = expected {
                     let p = chi_square(observed, &expected);
                     assert!(p > 1e-4, "{name}, {what} of emitter {i}: p = {p}");
@@ -228,25 +220,17 @@ fn emission_has_its_densities() {
     }
 }
 
-/// Null hypothesis: points on the box are uniform by area: on each face in proportion to it, and in
-/// each of its quarters alike. On the sphere they are uniform in direction from its centre.
+/// Null hypothesis: points are uniform by area. On the box, the probability of a face is proportional to
+/// its area and the same for its four quarters; on the sphere, directions from the centre are uniform.
 #[test]
-fn emission_starts_uniformly_on_surfaces() {
+fn emission_is_uniform_on_surfaces() {
     let scene = scene(vec![box_light(), floor()], vec![]);
     let mut numbers = Numbers::new(4);
     let samples = 50_000_u32;
     let mut observed = vec![0; 24];
     let back = box_light().to_world.inverse();
     for _ in 0..samples {
-        let sample = scene
-            .emitters
-            .sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            )
-            .expect("a start");
+        let sample = sample_emission(&scene, &mut numbers).expect("a start");
         let local = back.transform_point3(sample.position.as_dvec3() * scene.unit + scene.center);
         let axis = local.abs().max_position();
         let [u, v] = [local[(axis + 1) % 3], local[(axis + 2) % 3]];
@@ -266,15 +250,7 @@ fn emission_starts_uniformly_on_surfaces() {
     let center = to_scene(&scene, DVec3::new(0.2, -0.1, 0.3));
     let mut observed = vec![0; ROWS * COLUMNS];
     for _ in 0..samples {
-        let sample = scene
-            .emitters
-            .sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            )
-            .expect("a start");
+        let sample = sample_emission(&scene, &mut numbers).expect("a start");
         observed[cell((sample.position - center).normalize())] += 1;
     }
     let expected = vec![f64::from(samples) / (ROWS * COLUMNS) as f64; ROWS * COLUMNS];
@@ -282,26 +258,21 @@ fn emission_starts_uniformly_on_surfaces() {
     assert!(p > 1e-4, "sphere: p = {p}");
 }
 
-/// alpha = Le |cos| / (pdf_position pdf_direction), and `direct_pdf` at the point where the light
-/// arrives is what a hit from there says.
+/// alpha = Le |cos| / (pdf_position pdf_direction), and `direct_pdf` at the point where the light arrives
+/// equals the density of a hit from that point.
 #[test]
-fn emission_weights_and_direct_densities_follow_from_the_others() {
+fn emission_weights_and_direct_densities_are_consistent() {
     for (name, scene, _) in extended_lights() {
         let mut numbers = Numbers::new(5);
         for _ in 0..5_000 {
-            let Some(sample) = scene.emitters.sample_emission(
-                numbers.unit(),
-                numbers.unit(),
-                numbers.pair(),
-                numbers.pair(),
-            ) else {
+            let Some(sample) = sample_emission(&scene, &mut numbers) else {
                 continue;
             };
             let point = sample.position + sample.direction * (0.1 + 50.0 * numbers.unit());
             let pdf = sample.pdf_position * sample.pdf_direction;
             let (le, cos, expected_direct) = match scene.emitters.kind(sample.emitter) {
                 EmitterKind::Area => {
-                    let toward = light_met(&scene, point, -sample.direction);
+                    let toward = light_hit(&scene, point, -sample.direction);
                     let Some((light, _)) = toward else { continue };
                     (
                         light.radiance,
@@ -310,7 +281,10 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
                     )
                 }
                 EmitterKind::Constant | EmitterKind::Envmap => {
-                    let light = scene.emitters.escape(-sample.direction).expect("light");
+                    let light = scene
+                        .emitters
+                        .evaluate_environment(-sample.direction)
+                        .expect("light");
                     (light.radiance, 1.0, light.pdf_direct)
                 }
                 EmitterKind::Point => (
@@ -327,7 +301,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
                 sample.weight
             );
             let direct = scene.emitters.direct_pdf(&sample, point);
-            // The hit is found anew: for a sphere its density depends on the place in f32.
+            // The hit is computed again: on a sphere the density depends on its rounding to f32.
             assert!(
                 (direct - expected_direct).abs() <= 5e-2 * expected_direct,
                 "{name}: {direct} {expected_direct}, {sample:?}"
@@ -337,7 +311,7 @@ fn emission_weights_and_direct_densities_follow_from_the_others() {
 }
 
 #[test]
-fn a_directional_light_fills_its_disk_and_falls_one_way() {
+fn a_directional_light_covers_its_disk_in_one_direction() {
     let scene = scene(vec![floor()], vec![directional_light()]);
     let direction = Vec3A::new(0.3, 0.1, -2.0).normalize();
     let mut numbers = Numbers::new(6);
@@ -360,7 +334,10 @@ fn a_directional_light_fills_its_disk_and_falls_one_way() {
         assert!((direct.direction + direction).length() < 1e-6);
         assert!(direct.target.length() > SCENE_RADIUS);
         assert_eq!(direct.emission.radiance, Rgb::new(3.0, 1.0, 2.0));
-        assert_eq!((direct.geometry, direct.spread), (1.0, 1.0));
-        assert!(scene.emitters.escape(-direction).is_none());
+        assert_eq!(
+            (direct.jacobian_direction, direct.jacobian_area),
+            (1.0, 1.0)
+        );
+        assert!(scene.emitters.evaluate_environment(-direction).is_none());
     }
 }

@@ -1,10 +1,9 @@
-//! Estimates against closed forms. Each is tested at 4.5 standard errors of its mean: a false alarm
-//! in 1.5e5 seeds.
+//! Compares estimates with closed forms, within 4.5 standard errors of the mean: one false alarm in 1.5e5
+//! seeds.
 
 use std::f64::consts::PI;
 
 use super::*;
-use crate::scene::DirectSample;
 use crate::statistics::Moments;
 
 fn check(name: &str, estimate: &Moments, expected: f64) {
@@ -18,27 +17,21 @@ fn check(name: &str, estimate: &Moments, expected: f64) {
     );
 }
 
-/// Irradiance (green) at a point of the world with a normal, by direct sampling.
+/// Irradiance (green) at a point in world coordinates with the normal `normal`, by direct sampling.
 fn irradiance(scene: &Scene, world: DVec3, normal: Vec3A, samples: u32) -> Moments {
     let point = to_scene(scene, world);
     let mut numbers = Numbers::new(41);
-    let estimate = |sample: DirectSample| {
+    let estimate = |sample: LightSample| {
         let cos = sample.direction.dot(normal).max(0.0);
         let emission = sample.emission;
-        f64::from(emission.radiance.y * sample.geometry * cos / emission.pdf_direct)
+        f64::from(emission.radiance.y * sample.jacobian_direction * cos / emission.pdf_direct)
     };
     (0..samples)
-        .map(|_| {
-            let u = (numbers.unit(), numbers.unit(), numbers.pair());
-            scene
-                .emitters
-                .sample_direct(point, u.0, u.1, u.2)
-                .map_or(0.0, estimate)
-        })
+        .map(|_| sample_direct(scene, point, &mut numbers).map_or(0.0, estimate))
         .collect()
 }
 
-/// E = pi L (r/d)^2 cos for a sphere above the horizon, near and far, large and small.
+/// E = pi L (r/d)^2 cos for a sphere above the horizon, at several sizes and distances.
 #[test]
 fn irradiance_from_a_sphere() {
     for (radius, distance, tilt) in [
@@ -61,8 +54,8 @@ fn irradiance_from_a_sphere() {
     }
 }
 
-/// A square of side 2a at distance d, centred over a parallel receiver: four times the corner form
-/// factor with X = Y = a/d (Howell, "A catalog of radiation heat transfer configuration factors", B-3).
+/// Form factor of a square of side 2a at distance d, centred over a parallel receiver: four times the
+/// corner form factor with X = Y = a/d (Howell, "A catalog of radiation heat transfer configuration factors", B-3).
 fn square_factor(a: f64, d: f64) -> f64 {
     let x = a / d;
     let root = (1.0 + x * x).sqrt();
@@ -85,10 +78,10 @@ fn irradiance_from_a_rectangle() {
     }
 }
 
-/// The same in a world of other units, or elsewhere: irradiance from a point light is I/d^2 in the
-/// world's.
+/// Irradiance from a point light is I/d^2 in the units of the world, whatever these are and wherever the
+/// origin is.
 #[test]
-fn irradiance_does_not_depend_on_the_unit_or_place_of_the_world() {
+fn irradiance_does_not_depend_on_the_units_or_origin_of_the_world() {
     for (scale, offset) in [(1e-3, 0.0), (1.0, 0.0), (1e3, 0.0), (1e-3, 1e4)] {
         let offset = DVec3::new(0.0, 0.0, offset + scale / 7.0);
         let change = DMat4::from_translation(offset) * DMat4::from_scale(DVec3::splat(scale));
@@ -110,12 +103,13 @@ fn irradiance_does_not_depend_on_the_unit_or_place_of_the_world() {
     }
 }
 
-/// Irradiance from skies: pi L under an even one; under an image, the integral by midpoints.
+/// Irradiance from environments: pi L from a constant one; from an image, the integral by the midpoint
+/// rule.
 #[test]
 fn irradiance_from_an_environment() {
     let constant = EmitterDescription::Constant { radiance: RADIANCE };
-    let even = scene(vec![floor()], vec![constant]);
-    let estimate = irradiance(&even, DVec3::ZERO, Vec3A::Z, 100_000);
+    let uniform = scene(vec![floor()], vec![constant]);
+    let estimate = irradiance(&uniform, DVec3::ZERO, Vec3A::Z, 100_000);
     check("constant", &estimate, PI * f64::from(RADIANCE.y));
 
     let image = scene(vec![floor()], vec![sky()]);
@@ -127,7 +121,7 @@ fn irradiance_from_an_environment() {
             let phi = 2.0 * PI * (f64::from(j) + 0.5) / f64::from(columns);
             let r = (1.0 - z * z).sqrt();
             let direction = DVec3::new(r * phi.cos(), r * phi.sin(), z).as_vec3a();
-            let light = image.emitters.escape(direction).expect("sky");
+            let light = image.emitters.evaluate_environment(direction).expect("sky");
             expected += f64::from(light.radiance.y) * z;
         }
     }
@@ -139,9 +133,9 @@ fn irradiance_from_an_environment() {
     );
 }
 
-/// Mean throughput of light subpaths: the flux of all emitters in scene units.
+/// The mean throughput of light subpaths is the flux of all emitters, in scene units.
 #[test]
-fn emission_carries_the_total_flux() {
+fn mean_throughput_is_the_total_flux() {
     let disk = PI * f64::from(SCENE_RADIUS).powi(2);
     type Flux<'a> = &'a dyn Fn(&Scene) -> f64;
     let green = f64::from(RADIANCE.y);
@@ -184,15 +178,7 @@ fn emission_carries_the_total_flux() {
         let mut numbers = Numbers::new(42);
         let estimate: Moments = (0..20_000)
             .map(|_| {
-                let u = (
-                    numbers.unit(),
-                    numbers.unit(),
-                    numbers.pair(),
-                    numbers.pair(),
-                );
-                scene
-                    .emitters
-                    .sample_emission(u.0, u.1, u.2, u.3)
+                sample_emission(&scene, &mut numbers)
                     .map_or(0.0, |sample| f64::from(sample.weight.y))
             })
             .collect();
@@ -200,25 +186,17 @@ fn emission_carries_the_total_flux() {
     }
 }
 
-/// The flux from a sphere onto a coaxial disk by light subpaths: F = (1 - 1/sqrt(1 + (R/h)^2))/2 for a
+/// The flux from a sphere onto a coaxial disk, by light subpaths, has the form factor F = (1 - 1/sqrt(1 + (R/h)^2))/2 for a
 /// disk of radius R at distance h from the centre (Howell, C-124).
 #[test]
-fn emission_brings_a_sphere_lights_flux_onto_a_disk() {
+fn flux_from_a_sphere_onto_a_disk() {
     let lamp = emitting(sphere(DVec3::ZERO, 0.5), RADIANCE);
     let scene = scene(vec![lamp, floor()], vec![]);
     let (disk_radius, height) = (2.0, 1.5);
     let mut numbers = Numbers::new(43);
     let estimate: Moments = (0..100_000)
         .map(|_| {
-            let sample = scene
-                .emitters
-                .sample_emission(
-                    numbers.unit(),
-                    numbers.unit(),
-                    numbers.pair(),
-                    numbers.pair(),
-                )
-                .expect("a start");
+            let sample = sample_emission(&scene, &mut numbers).expect("a start");
             let origin = sample.position.as_dvec3() * scene.unit + scene.center;
             let direction = sample.direction.as_dvec3();
             let t = (height - origin.z) / direction.z;

@@ -1,10 +1,10 @@
-//! Requests at the edge of sense: all numbers stay finite, and nothing that emits is never chosen.
+//! Degenerate input: all numbers stay finite, and every emitter can be chosen.
 
 use super::*;
+use crate::scene::SceneError;
 use crate::scene::test_scenes::description;
-use crate::scene::{DirectSample, EmissionSample, SceneError};
 
-fn is_finite(emission: &EmissionToward) -> bool {
+fn is_finite(emission: &LightEvaluation) -> bool {
     emission.radiance.is_finite()
         && [
             emission.pdf_direct,
@@ -15,7 +15,7 @@ fn is_finite(emission: &EmissionToward) -> bool {
         .all(|pdf| pdf.is_finite() && *pdf >= 0.0)
 }
 
-fn check_direct(sample: &DirectSample) {
+fn check_direct(sample: &LightSample) {
     assert!(is_finite(&sample.emission), "{sample:?}");
     assert!(sample.emission.pdf_direct > 0.0, "{sample:?}");
     assert!(
@@ -23,11 +23,11 @@ fn check_direct(sample: &DirectSample) {
         "{sample:?}"
     );
     assert!(
-        sample.geometry.is_finite() && sample.geometry > 0.0,
+        sample.jacobian_direction.is_finite() && sample.jacobian_direction > 0.0,
         "{sample:?}"
     );
     assert!(
-        sample.spread.is_finite() && sample.spread > 0.0,
+        sample.jacobian_area.is_finite() && sample.jacobian_area > 0.0,
         "{sample:?}"
     );
 }
@@ -48,7 +48,7 @@ fn check_emission(sample: &EmissionSample) {
     );
 }
 
-/// Numbers at the ends of [0, 1) and in between.
+/// Random numbers in [0, 1), often at its ends.
 fn corner_case(numbers: &mut Numbers) -> f32 {
     match numbers.index(4) {
         0 => 0.0,
@@ -58,7 +58,7 @@ fn corner_case(numbers: &mut Numbers) -> f32 {
 }
 
 #[test]
-fn degenerate_requests_have_finite_answers() {
+fn degenerate_points_give_finite_samples() {
     let mut scenes = extended_lights();
     let tiny = DMat4::from_scale(DVec3::splat(5e-5));
     let deltas = || vec![point_light(), directional_light()];
@@ -92,18 +92,18 @@ fn degenerate_requests_have_finite_answers() {
         let mut emitted = 0;
         for i in 0..20_000 {
             let mut u = || corner_case(&mut numbers);
-            let (choose, part, a, b) = (
+            let (u_light, u_primitive, a, b) = (
                 u(),
                 u(),
                 glam::Vec2::new(u(), u()),
                 glam::Vec2::new(u(), u()),
             );
-            let Some(start) = scene.emitters.sample_emission(choose, part, a, b) else {
+            let Some(start) = scene.emitters.sample_emission(u_light, u_primitive, a, b) else {
                 continue;
             };
             emitted += 1;
             check_emission(&start);
-            // On the emitter, in its plane, right above it, inside, at its centre and far away.
+            // On the emitter, in its plane, just above it, inside, and far away.
             let tangent = start.normal.any_orthonormal_vector();
             let point = match i % 7 {
                 0 => start.position,
@@ -114,7 +114,7 @@ fn degenerate_requests_have_finite_answers() {
                 5 => start.position + start.direction * 1e4,
                 _ => to_scene(&scene, world),
             };
-            let direct = scene.emitters.sample_direct(point, choose, part, b);
+            let direct = scene.emitters.sample_direct(point, u_light, u_primitive, b);
             if let Some(sample) = direct {
                 check_direct(&sample);
             }
@@ -123,11 +123,11 @@ fn degenerate_requests_have_finite_answers() {
                 pdf.is_finite() && pdf >= 0.0,
                 "{name}: {pdf} {start:?} {point}"
             );
-            if let Some((light, _)) = light_met(&scene, point, -start.direction) {
+            if let Some((light, _)) = light_hit(&scene, point, -start.direction) {
                 assert!(is_finite(&light), "{name}: {light:?}");
             }
             for pole in [Vec3A::Y, Vec3A::NEG_Y, Vec3A::NEG_Z] {
-                if let Some(light) = scene.emitters.escape(pole) {
+                if let Some(light) = scene.emitters.evaluate_environment(pole) {
                     assert!(is_finite(&light), "{name}: {light:?}");
                 }
             }
@@ -137,7 +137,7 @@ fn degenerate_requests_have_finite_answers() {
 }
 
 #[test]
-fn nothing_that_emits_has_probability_zero() {
+fn all_emitters_have_positive_probability() {
     let mut shapes = vec![emitting(floor(), Rgb::splat(1e9))];
     for i in 0..300 {
         let place = DVec3::new(f64::from(i), 0.0, 0.0);
@@ -156,9 +156,9 @@ fn nothing_that_emits_has_probability_zero() {
     }
 }
 
-/// Where the sky shines it can be sampled, however faint it is beside its sun.
+/// Directions from which light arrives have a positive density, however faint they are beside a sun.
 #[test]
-fn environment_densities_are_positive_where_it_shines_and_sum_to_one() {
+fn environment_densities_are_positive_where_radiance_is_and_integrate_to_one() {
     for scale in [1.5, 1e-6] {
         let EmitterDescription::Environment {
             width,
@@ -183,20 +183,23 @@ fn environment_densities_are_positive_where_it_shines_and_sum_to_one() {
         let mut sum = 0.0;
         let mut dark = 0;
         for _ in 0..n {
-            let light = scene.emitters.escape(numbers.direction()).expect("sky");
+            let light = scene
+                .emitters
+                .evaluate_environment(numbers.direction())
+                .expect("sky");
             assert!(light.pdf_direct > 0.0 || light.radiance == Rgb::ZERO);
             dark += usize::from(light.radiance == Rgb::ZERO);
             sum += f64::from(light.pdf_direct);
         }
         assert!(dark > 100, "{dark}");
-        // The bright patch holds nearly all density on 1/50 of the sphere: 3% is 5 standard errors.
+        // With nearly all of the density in the bright patch, 1/50 of the sphere, 3% is 5 standard errors.
         let integral = sum * 4.0 * std::f64::consts::PI / f64::from(n);
         assert!((integral - 1.0).abs() < 0.1, "{integral}");
     }
 }
 
 #[test]
-fn scenes_that_cannot_be_lit_are_refused() {
+fn scenes_without_valid_emitters_are_rejected() {
     let none = description(vec![floor()], vec![]).build().err();
     assert!(matches!(none, Some(SceneError::NoEmitter)));
     let constant = || EmitterDescription::Constant { radiance: RADIANCE };
@@ -224,7 +227,7 @@ fn scenes_that_cannot_be_lit_are_refused() {
     assert!(matches!(thin, Some(SceneError::EnvironmentSize)));
 }
 
-/// Emitters that give no light are no error: the image is black.
+/// Emitters without any light are not an error: the image is black.
 #[test]
 fn black_emitters_are_allowed() {
     let black = EmitterDescription::Environment {
@@ -236,13 +239,7 @@ fn black_emitters_are_allowed() {
     let scene = scene(vec![emitting(floor(), Rgb::ZERO)], vec![black]);
     let mut numbers = Numbers::new(53);
     for _ in 0..100 {
-        let u = (
-            numbers.unit(),
-            numbers.unit(),
-            numbers.pair(),
-            numbers.pair(),
-        );
-        let start = scene.emitters.sample_emission(u.0, u.1, u.2, u.3);
+        let start = sample_emission(&scene, &mut numbers);
         assert!(start.is_none_or(|start| start.weight == Rgb::ZERO));
     }
 }

@@ -1,9 +1,9 @@
-//! Conventions of Mitsuba 3.
+//! Compares orientations and sides with Mitsuba 3.
 
 use super::*;
 
 /// Radiance (times 1) by direction, for an image of 4 x 3 pixels (1 + i, 10 (j + 1) + i, 0.5 + i j) in
-/// column i and row j, scaled by 2; upright, turned, and mirrored:
+/// column i and row j, scaled by 2; unrotated, rotated, and mirrored:
 ///
 ///     e = mi.load_dict({'type': 'scene', 'e': {'type': 'envmap', 'bitmap': mi.Bitmap(image),
 ///                       'scale': 2.0, 'to_world': to_world}})
@@ -67,22 +67,25 @@ fn environments_are_oriented_as_in_mitsuba() {
         let scene = scene(vec![floor()], vec![map]);
         for (direction, expected) in directions.into_iter().zip(radiances) {
             let direction = Vec3A::from_array(direction).normalize();
-            let light = scene.emitters.escape(direction).expect("light");
+            let light = scene
+                .emitters
+                .evaluate_environment(direction)
+                .expect("light");
             let error = (light.radiance - Rgb::from_array(expected)).length();
             assert!(error < 1e-3, "{direction}: {} {expected:?}", light.radiance);
         }
     }
 }
 
-/// Whether area emitters shine to a point above them, (0.3, 0.2, 5), rather than into the box or
-/// sphere or to below: under identity, mirroring in x, in z and in all axes. `flip_normals` turns all.
+/// Whether area emitters emit toward a point above them, (0.3, 0.2, 5), rather than into the box or sphere
+/// or downward: under the identity and mirroring in x, in z and in all axes. `flip_normals` reverses all.
 ///
 ///     si = scene.ray_intersect(ray); print(si.emitter(scene).eval(si)[0] > 0)
 ///
 /// OBJ meshes hold the rectangle without normals, with those computed from it, and with the normal
 /// (0, 0.6, -0.8) everywhere.
 #[test]
-fn area_emitters_shine_to_the_side_that_mitsubas_do() {
+fn area_emitters_emit_to_the_same_side_as_in_mitsuba() {
     let smooth = |to_world: &DMat4| {
         let mut mesh = TriangleMesh::rectangle();
         mesh.compute_vertex_normals(to_world);
@@ -135,7 +138,7 @@ fn area_emitters_shine_to_the_side_that_mitsubas_do() {
         DVec3::NEG_ONE,
     ];
     for (name, geometry, expected) in cases {
-        for (mirror, shines_up) in mirrors.into_iter().zip(expected) {
+        for (mirror, emits_up) in mirrors.into_iter().zip(expected) {
             for flip_normals in [false, true] {
                 let to_world = DMat4::from_scale(mirror);
                 let lamp = ShapeDescription {
@@ -144,17 +147,17 @@ fn area_emitters_shine_to_the_side_that_mitsubas_do() {
                 };
                 let scene = scene(vec![lamp], vec![]);
                 let case = format!("{name} scaled by {mirror}, flipped: {flip_normals}");
-                check_side(&scene, &case, shines_up != flip_normals);
+                check_side(&scene, &case, emits_up != flip_normals);
             }
         }
     }
 }
 
-/// All three ways to meet the light agree on its side.
-fn check_side(scene: &Scene, case: &str, shines_up: bool) {
+/// Checks that hits, direct samples and light subpaths agree on the side that emits.
+fn check_side(scene: &Scene, case: &str, emits_up: bool) {
     let above = to_scene(scene, DVec3::new(0.3, 0.2, 5.0));
-    let met = light_met(scene, above, Vec3A::NEG_Z);
-    assert_eq!(met.is_some(), shines_up, "{case}: hit");
+    let met = light_hit(scene, above, Vec3A::NEG_Z);
+    assert_eq!(met.is_some(), emits_up, "{case}: hit");
     let mut numbers = Numbers::new(61);
     let mut arrives = false;
     let mut leaves_up = false;
@@ -180,6 +183,6 @@ fn check_side(scene: &Scene, case: &str, shines_up: bool) {
             leaves_up |= blocked.is_none() && start.direction.z > 0.0;
         }
     }
-    assert_eq!(arrives, shines_up, "{case}: direct light");
-    assert_eq!(leaves_up, shines_up, "{case}: emission");
+    assert_eq!(arrives, emits_up, "{case}: direct light");
+    assert_eq!(leaves_up, emits_up, "{case}: emission");
 }

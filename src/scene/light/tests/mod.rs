@@ -1,5 +1,5 @@
-//! Tests of emitters. Statistical ones use fixed seeds; each p-value is tested at 1e-4, which is then
-//! the rate of false alarms over seeds.
+//! Tests of emitters. Statistical tests use fixed seeds and reject at p < 1e-4, which is the rate of false
+//! alarms over the choice of seeds.
 
 mod densities;
 mod integrals;
@@ -12,13 +12,13 @@ use glam::{DMat4, DVec3, Vec3A};
 use crate::math::Rgb;
 use crate::scene::test_scenes::{Numbers, emitting, mesh, scene, shape, sphere};
 use crate::scene::{
-    EmissionToward, EmitterDescription, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription,
-    ShapeGeometry, TriangleMesh,
+    EmissionSample, EmitterDescription, LightEvaluation, LightSample, Ray, RayCounts, SCENE_RADIUS,
+    Scene, ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 
 const RADIANCE: Rgb = Rgb::new(2.0, 3.0, 0.5);
 
-/// Something with extent that does not emit, far below, so that a lamp is not all of the scene.
+/// A surface that does not emit, far below, so that the scene is larger than its emitters.
 fn floor() -> ShapeDescription {
     let down = DMat4::from_translation(DVec3::new(0.0, 0.0, -6.0));
     mesh(TriangleMesh::rectangle(), down)
@@ -39,7 +39,7 @@ fn sphere_light(flip_normals: bool) -> ShapeDescription {
     emitting(ball, RADIANCE)
 }
 
-/// A sky of few pixels: some black, one very bright.
+/// An environment map of few pixels, some of them black and one very bright.
 fn sky() -> EmitterDescription {
     let mut numbers = Numbers::new(77);
     let mut pixels: Vec<[f32; 3]> = (0..7 * 6)
@@ -57,7 +57,7 @@ fn sky() -> EmitterDescription {
     }
 }
 
-/// Scenes whose light does not all come from deltas, each with a point (in the world) to be lit.
+/// Scenes with area or environment emitters, each with a point that is lit, in world coordinates.
 fn extended_lights() -> Vec<(&'static str, Scene, DVec3)> {
     let place = DVec3::new(0.3, 1.4, 1.6);
     let constant = || EmitterDescription::Constant { radiance: RADIANCE };
@@ -124,9 +124,9 @@ fn to_scene(scene: &Scene, world: DVec3) -> Vec3A {
     ((world - scene.center) / scene.unit).as_vec3a()
 }
 
-/// What a camera subpath from `point` meets: the light and the factor from its native density to
-/// solid angle at `point` (the inverse of [`super::DirectSample::geometry`]).
-fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionToward, f32)> {
+/// The light that a camera subpath from `point` along `direction` hits, and the Jacobian from its native
+/// measure to solid angle at `point` (the inverse of [`super::LightSample::jacobian_direction`]).
+fn light_hit(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(LightEvaluation, f32)> {
     let ray = Ray {
         origin: point,
         direction,
@@ -134,11 +134,28 @@ fn light_met(scene: &Scene, point: Vec3A, direction: Vec3A) -> Option<(EmissionT
     };
     match scene.geometry.intersect(&ray, &mut RayCounts::default()) {
         Some(hit) => {
-            let emission = scene.emitters.hit(&hit, point)?;
+            let emission = scene.emitters.evaluate_surface(&hit, point)?;
             let to = hit.position - point;
             let cos = -hit.geometric_normal.dot(direction);
             Some((emission, to.length_squared() / cos))
         }
-        None => Some((scene.emitters.escape(direction)?, 1.0)),
+        None => Some((scene.emitters.evaluate_environment(direction)?, 1.0)),
     }
+}
+
+/// Samples the start of a light subpath with random numbers.
+fn sample_emission(scene: &Scene, numbers: &mut Numbers) -> Option<EmissionSample> {
+    let (u_light, u_primitive) = (numbers.unit(), numbers.unit());
+    let (u_position, u_direction) = (numbers.pair(), numbers.pair());
+    scene
+        .emitters
+        .sample_emission(u_light, u_primitive, u_position, u_direction)
+}
+
+/// Samples light for `point` with random numbers.
+fn sample_direct(scene: &Scene, point: Vec3A, numbers: &mut Numbers) -> Option<LightSample> {
+    let (u_light, u_primitive) = (numbers.unit(), numbers.unit());
+    scene
+        .emitters
+        .sample_direct(point, u_light, u_primitive, numbers.pair())
 }

@@ -1,27 +1,27 @@
 //! The watertight ray-triangle test of Woop, Benthin and Wald (2013, "Watertight ray/triangle
-//! intersection", JCGT 2(1)), of four triangles at once: a ray that passes a closed mesh at an edge or
-//! corner always meets one of the triangles there, because neighbours compute the same edge function
-//! with opposite signs.
+//! intersection", JCGT 2(1)), for four triangles at once. A ray through an edge or corner of a closed mesh
+//! always hits one of the triangles there, because adjacent triangles compute the same edge function with
+//! opposite signs.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use wide::f32x4;
 
-/// Three corners.
+/// The corners of a triangle.
 pub type Corners = [[f32; 3]; 3];
 
 /// Triangles in a packet.
 pub const LANES: usize = 4;
 
-/// Up to four triangles; the corners of those that are not there are not numbers, and no ray meets them.
+/// Up to four triangles. The corners of unused lanes are NaN, so that no ray hits them.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Packet {
-    /// For each axis that coordinate of the first, second and third corners.
+    /// For each axis, that coordinate of the first, second and third corners.
     axes: [[f32x4; 3]; 3],
 }
 
-/// Where a ray meets a triangle.
+/// A hit on a triangle of a packet.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleHit {
     /// Which triangle of the packet.
@@ -35,7 +35,7 @@ pub struct TriangleHit {
 }
 
 impl Packet {
-    /// Of four triangles.
+    /// Packs four triangles.
     pub fn new(triangles: [Corners; LANES]) -> Self {
         let coordinates =
             |axis: usize, k: usize| f32x4::new(triangles.map(|corners| corners[k][axis]));
@@ -44,7 +44,7 @@ impl Packet {
         }
     }
 
-    /// The corners of one triangle, if it is there.
+    /// The corners of one triangle; `None` for an unused lane.
     #[inline]
     pub fn corners(&self, lane: usize) -> Option<Corners> {
         let corner = |k: usize| self.axes.map(|corners| corners[k].to_array()[lane % LANES]);
@@ -53,12 +53,12 @@ impl Packet {
     }
 }
 
-/// The transform that moves a ray to the origin and shears its direction to z, the axis along which it
-/// is longest (section 3.1 of the paper). The swap of x and y that keeps the winding is left out: both
-/// sides of a triangle count.
+/// The transform that moves the origin of a ray to 0 and shears its direction to z, the axis of its
+/// largest component (section 3.1 of the paper). The swap of x and y that preserves the winding is
+/// omitted, since both sides of a triangle can be hit.
 #[derive(Clone, Copy, Debug)]
-pub struct Shear {
-    /// Which axes of space are x, y and z.
+pub struct RayTransform {
+    /// The axes of space that become x, y and z.
     axes: [usize; 3],
     origin: [f32x4; 3],
     x: f32x4,
@@ -66,10 +66,11 @@ pub struct Shear {
     z: f32x4,
 }
 
-/// Twice the signed areas of the triangles of a corner and its opposite edge, in projection.
+/// Edge functions: twice the signed areas, in projection, of the triangles that the ray forms with
+/// each edge.
 type Edges = [f32x4; 3];
 
-impl Shear {
+impl RayTransform {
     /// For the ray from `origin` along `direction`, which is not 0.
     #[inline(always)]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
@@ -107,14 +108,14 @@ impl Shear {
         })
     }
 
-    /// True if there is a hit in (0, `t_max`).
+    /// True if any triangle is hit in (0, `t_max`).
     #[inline(always)]
-    pub fn meets(&self, packet: &Packet, t_max: f32) -> bool {
+    pub fn occluded(&self, packet: &Packet, t_max: f32) -> bool {
         self.test(packet, t_max).is_some()
     }
 
-    /// A mask of the triangles that are hit in (0, `t_max`), with all distances, edges and inverse
-    /// determinants; `None` if there is no hit.
+    /// A mask of the triangles that are hit in (0, `t_max`), and the distances, edge functions and
+    /// inverse determinants of all; `None` if there is no hit.
     #[inline(always)]
     fn test(&self, packet: &Packet, t_max: f32) -> Option<(u32, f32x4, Edges, f32x4)> {
         let [xs, ys, zs] = self.axes.map(|axis| &packet.axes[axis]);
@@ -123,7 +124,7 @@ impl Shear {
         let y: [f32x4; 3] = std::array::from_fn(|k| ys[k] - self.origin[1] - self.y * z[k]);
         let mut edges = [(2, 1), (0, 2), (1, 0)].map(|(p, q)| x[p] * y[q] - y[p] * x[q]);
         let [u, v, w] = edges;
-        // Exactly on an edge in f32: only f64, where the products are exact, knows the side.
+        // Exactly on an edge in f32: the side follows in f64, where the products are exact.
         let zero = f32x4::ZERO;
         if (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).to_bitmask() != 0 {
             edges = edges_f64(&x, &y);
@@ -154,6 +155,7 @@ fn longest_axis(direction: Vec3A) -> usize {
     }
 }
 
+/// The edge functions in double precision (section 3.3 of the paper: the rare case).
 #[cold]
 fn edges_f64(x: &[f32x4; 3], y: &[f32x4; 3]) -> Edges {
     let [x, y] = [x, y].map(|v| v.map(|v| v.to_array().map(f64::from)));

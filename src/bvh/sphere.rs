@@ -2,11 +2,12 @@
 
 use glam::{DVec3, Vec3A};
 
-/// Distance at which the ray meets the sphere first, in (0, `t_max`); both sides count.
+/// Distance of the first hit in (0, `t_max`), from outside or inside.
 ///
 /// Haines, Günther and Akenine-Möller 2019, "Precision improvements for ray/sphere intersection"
-/// (Ray Tracing Gems, ch. 7): the discriminant from the point of closest approach, the roots without
-/// cancellation. In f64, since a start just off a large sphere leaves f32 few digits of |f|^2 - r^2.
+/// (Ray Tracing Gems, ch. 7): the discriminant follows from the point of closest approach, and the roots
+/// have no cancellation. In f64, since |f|^2 - r^2 has few digits in f32 for an origin close to a large
+/// sphere.
 #[inline]
 pub fn intersect(
     center: [f32; 3],

@@ -1,0 +1,259 @@
+//! Area lights: Lambertian emission from the front side of meshes and spheres.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::{Vec2, Vec3A};
+
+use super::mesh::MeshSurface;
+use super::sample::{
+    EmissionSample, LightEvaluation, LightSample, MIN_DISTANCE_SQUARED, SurfaceSample,
+};
+use super::sphere::SphereSurface;
+use crate::math::{Frame, Rgb};
+use crate::sampling::warp::{square_to_cosine_hemisphere, square_to_sphere};
+use crate::scene::SurfacePoint;
+use crate::scene::geometry::{ShapeSurface, SurfaceTriangle};
+use crate::scene::interaction::offset;
+
+/// A surface that emits the same radiance everywhere.
+#[derive(Debug)]
+pub struct AreaEmitter {
+    /// W/(m^2 sr) on the front side.
+    radiance: Rgb,
+    /// In scene units squared.
+    area: f64,
+    surface: Surface,
+}
+
+#[derive(Debug)]
+enum Surface {
+    Mesh(MeshSurface),
+    Sphere(SphereSurface),
+}
+
+/// The segment from a point to y_0.
+struct Segment {
+    /// Unit, from the point to y_0.
+    direction: Vec3A,
+    /// Cosine at y_0.
+    cos: f32,
+    distance_squared: f32,
+}
+
+impl AreaEmitter {
+    /// An emitter with this surface; `None` if it has no area.
+    pub fn new(radiance: Rgb, surface: ShapeSurface) -> Option<Self> {
+        let (surface, area) = match surface {
+            ShapeSurface::Triangles(triangles) => {
+                let area = triangles.iter().map(SurfaceTriangle::area).sum();
+                (Surface::Mesh(MeshSurface::new(triangles, area)?), area)
+            }
+            ShapeSurface::Sphere {
+                center,
+                radius,
+                inward,
+            } => {
+                let sphere = SphereSurface {
+                    center,
+                    radius,
+                    inward,
+                };
+                let area = sphere.area();
+                (Surface::Sphere(sphere), area)
+            }
+        };
+        Some(Self {
+            radiance,
+            area,
+            surface,
+        })
+    }
+
+    /// Flux: pi A L.
+    pub fn power(&self) -> Rgb {
+        self.radiance * (PI * self.area as f32)
+    }
+
+    /// Samples a point on the surface by area.
+    #[inline]
+    fn sample_surface(&self, u_primitive: f32, u_position: Vec2) -> SurfaceSample {
+        match &self.surface {
+            Surface::Mesh(mesh) => mesh.sample(u_primitive, u_position),
+            Surface::Sphere(sphere) => {
+                let (position, normal) = sphere.at(square_to_sphere(u_position));
+                SurfaceSample {
+                    position,
+                    normal,
+                    pdf: self.uniform_pdf(),
+                }
+            }
+        }
+    }
+
+    /// The density with which [`Self::sample_surface`] samples a point of a primitive.
+    #[inline]
+    fn surface_pdf(&self, primitive: u32) -> f32 {
+        match &self.surface {
+            Surface::Mesh(mesh) => mesh.pdf(primitive),
+            Surface::Sphere(_) => self.uniform_pdf(),
+        }
+    }
+
+    /// Density per area of a point uniform on the surface.
+    #[inline]
+    fn uniform_pdf(&self) -> f32 {
+        (1.0 / self.area) as f32
+    }
+
+    /// Density per area with which [`Self::sample_direct`] for `point` samples y_0, at the end of
+    /// `segment`; `pdf_position` is the density with which [`Self::sample_surface`] does. Both include
+    /// the probability `choice_pdf` of this emitter.
+    #[inline]
+    fn direct_pdf(
+        &self,
+        point: Vec3A,
+        segment: &Segment,
+        pdf_position: f32,
+        choice_pdf: f32,
+    ) -> f32 {
+        match &self.surface {
+            Surface::Sphere(sphere) if !sphere.inward => sphere.cone(point).map_or(0.0, |cone| {
+                choice_pdf * (cone.pdf() * segment.cos / segment.distance_squared)
+            }),
+            Surface::Mesh(_) | Surface::Sphere(_) => pdf_position,
+        }
+    }
+
+    /// Light from `y0` toward `point`, and the segment between them; `None` from behind. The density
+    /// of `y0` includes the probability `choice_pdf` of this emitter.
+    #[inline]
+    fn light_toward(
+        &self,
+        y0: &SurfaceSample,
+        point: Vec3A,
+        choice_pdf: f32,
+    ) -> Option<(LightEvaluation, Segment)> {
+        let to_light = y0.position - point;
+        let distance_squared = to_light.length_squared();
+        if distance_squared < MIN_DISTANCE_SQUARED {
+            return None;
+        }
+        let direction = to_light / distance_squared.sqrt();
+        let cos = -y0.normal.dot(direction);
+        if cos <= 0.0 {
+            return None;
+        }
+        let segment = Segment {
+            direction,
+            cos,
+            distance_squared,
+        };
+        let emission = LightEvaluation {
+            radiance: self.radiance,
+            pdf_direct: self.direct_pdf(point, &segment, y0.pdf, choice_pdf),
+            pdf_position: y0.pdf,
+            pdf_direction: cos * FRAC_1_PI,
+        };
+        Some((emission, segment))
+    }
+
+    /// As [`super::Emitters::sample_direct`]; `choice_pdf` is the probability of this emitter.
+    #[inline]
+    pub fn sample_direct(
+        &self,
+        point: Vec3A,
+        u_primitive: f32,
+        u_position: Vec2,
+        choice_pdf: f32,
+    ) -> Option<LightSample> {
+        let mut y0 = match &self.surface {
+            Surface::Sphere(sphere) if !sphere.inward => {
+                let cone = sphere.cone(point)?;
+                let (position, normal) = sphere.at(cone.sample_normal(u_position));
+                SurfaceSample {
+                    position,
+                    normal,
+                    pdf: self.uniform_pdf(),
+                }
+            }
+            Surface::Mesh(_) | Surface::Sphere(_) => self.sample_surface(u_primitive, u_position),
+        };
+        y0.pdf *= choice_pdf;
+        let (emission, segment) = self.light_toward(&y0, point, choice_pdf)?;
+        Some(LightSample {
+            direction: segment.direction,
+            target: offset(y0.position, y0.normal, -segment.direction),
+            emission,
+            jacobian_direction: segment.cos / segment.distance_squared,
+            jacobian_area: 1.0 / segment.distance_squared,
+            delta: false,
+        })
+    }
+
+    /// As [`super::Emitters::sample_emission`].
+    #[inline]
+    pub fn sample_emission(
+        &self,
+        emitter: u32,
+        u_primitive: f32,
+        u_position: Vec2,
+        u_direction: Vec2,
+        choice_pdf: f32,
+    ) -> EmissionSample {
+        let SurfaceSample {
+            position,
+            normal,
+            pdf,
+        } = self.sample_surface(u_primitive, u_position);
+        let pdf_position = choice_pdf * pdf;
+        let local = square_to_cosine_hemisphere(u_direction);
+        let direction = Frame::from_normal(normal).to_world(local);
+        EmissionSample {
+            emitter,
+            origin: offset(position, normal, direction),
+            position,
+            normal,
+            direction,
+            // Le cos / (pdf_position * cos/pi): the cosine cancels.
+            weight: self.radiance * (PI / pdf_position),
+            pdf_position,
+            pdf_direction: local.z * FRAC_1_PI,
+            infinite: false,
+            delta: false,
+        }
+    }
+
+    /// As [`super::Emitters::direct_pdf`].
+    #[inline]
+    pub fn emission_direct_pdf(
+        &self,
+        sample: &EmissionSample,
+        point: Vec3A,
+        choice_pdf: f32,
+    ) -> f32 {
+        let y0 = SurfaceSample {
+            position: sample.position,
+            normal: sample.normal,
+            pdf: sample.pdf_position,
+        };
+        self.light_toward(&y0, point, choice_pdf)
+            .map_or(0.0, |(emission, _)| emission.pdf_direct)
+    }
+
+    /// As [`super::Emitters::evaluate_surface`].
+    #[inline]
+    pub fn evaluate(
+        &self,
+        surface: &SurfacePoint,
+        from: Vec3A,
+        choice_pdf: f32,
+    ) -> Option<LightEvaluation> {
+        let y0 = SurfaceSample {
+            position: surface.position,
+            normal: surface.geometric_normal,
+            pdf: choice_pdf * self.surface_pdf(surface.primitive),
+        };
+        let (emission, _) = self.light_toward(&y0, from, choice_pdf)?;
+        Some(emission)
+    }
+}
