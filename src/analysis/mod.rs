@@ -1,4 +1,16 @@
 //! Analysis of a scene before it is rendered: light that is lost, rare or trapped.
+//!
+//! ```
+//! use metrolight::analysis::{Loss, lost_light};
+//! use metrolight::technique::TechniqueSet;
+//!
+//! let path = std::path::Path::new("scenes/lost-caustic/scene.xml");
+//! let scene = metrolight::mitsuba::load(path, &[])?.description.build()?;
+//! // A point light behind smooth glass, seen through smooth glass.
+//! let lost = lost_light(&scene, TechniqueSet::Bidirectional);
+//! assert!(lost.iter().any(|lost| lost.loss == Loss::Always));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod lost_light;
 mod probe;

@@ -3,6 +3,21 @@
 //!
 //! Primitives lie in the ball of radius [`RADIUS`] around the origin; the padding of the boxes
 //! covers the rounding errors that occur there.
+//!
+//! ```
+//! use glam::Vec3A;
+//! use metrolight::bvh::{Bvh, Primitive, Ray, Sphere};
+//!
+//! let sphere = Sphere { radius: 2.0, ..Sphere::default() };
+//! let bvh = Bvh::new(vec![Primitive::Sphere(sphere)]);
+//! let ray = Ray {
+//!     origin: Vec3A::new(0.0, 0.0, -10.0),
+//!     direction: Vec3A::Z,
+//!     t_max: f32::INFINITY,
+//! };
+//! assert!(bvh.intersect(&ray).is_some());
+//! assert!(!bvh.occluded(&Ray { t_max: 7.0, ..ray }));
+//! ```
 
 mod binary;
 mod build;

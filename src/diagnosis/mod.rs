@@ -4,6 +4,20 @@
 //! distribution is known. Each test of a chain takes one state per chain, and chains start exactly in
 //! the target distribution ([`starts`]): under the null hypothesis the states are then independent,
 //! however slowly a chain moves.
+//!
+//! ```
+//! use metrolight::diagnosis::{DiagnosisBudget, PssmltChains, diagnose};
+//! use metrolight::render::{PssmltSettings, Unobserved};
+//!
+//! # let size = metrolight::mitsuba::Overrides { size: Some([16, 12]) };
+//! # let path = std::path::Path::new("scenes/cornell/scene.xml");
+//! # let mut scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
+//! let chains = PssmltChains::new(&mut scene, PssmltSettings::default(), Some(2));
+//! let budget = DiagnosisBudget { chains: 64, steps: 64, permutations: 100, ..Default::default() };
+//! let diagnosis = diagnose(&chains, &budget, &Unobserved)?;
+//! assert!(diagnosis.rejections(1e-6).is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod check;
 mod equilibrium;

@@ -1,4 +1,16 @@
 //! Film and images: reconstruction filters, accumulation in f64, EXR and PNG files.
+//!
+//! ```
+//! use metrolight::film::{Film, Filter, Splat};
+//! use metrolight::math::Rgb;
+//!
+//! let mut film = Film::new(2, 1, Filter::Box);
+//! // A sample of the left pixel, and a splat in the right one; one sample of the film in all.
+//! film.add_samples(0, [0.5; 3], 1);
+//! film.splat(&Splat { position: [0.75, 0.5], value: Rgb::ONE });
+//! let image = film.resolve(1.0);
+//! assert_eq!(image.pixels, [[0.5; 3], [2.0; 3]]);
+//! ```
 
 pub mod accumulate;
 pub mod exr;

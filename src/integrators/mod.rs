@@ -1,5 +1,24 @@
 //! Path samplers: maps from a point of the unit hypercube to splats on the film. They do not know how
 //! the point was chosen; the drivers in `render` pair each with independent samples or Markov chains.
+//!
+//! ```
+//! use metrolight::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
+//! use metrolight::sampling::IndependentSampler;
+//! use metrolight::sampling::seeds::Purpose;
+//!
+//! # let size = metrolight::mitsuba::Overrides { size: Some([16, 12]) };
+//! # let path = std::path::Path::new("scenes/cornell/scene.xml");
+//! # let scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
+//! let (mut workspace, mut splats) = (Workspace::default(), SplatList::default());
+//! let mut mean = 0.0;
+//! for i in 0..1000 {
+//!     let mut sampler = IndependentSampler::new(0, Purpose::Pixels, i);
+//!     BidirectionalPathTracer.sample_splats(&scene, &mut sampler, &mut workspace, &mut splats);
+//!     mean += splats.luminance() / 1000.0;
+//! }
+//! assert!(mean > 0.1 && mean < 1.0, "mean luminance of the image: {mean}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod bdpt;
 mod camera_paths;

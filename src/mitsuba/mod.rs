@@ -6,6 +6,18 @@
 //! with parameters, then one module for each kind of object turns these into a
 //! [`SceneDescription`]. A new plugin is a file in the module of its kind and an entry in that
 //! module's list `PLUGINS`.
+//!
+//! ```
+//! use metrolight::mitsuba::{Overrides, load, load_with};
+//!
+//! let path = std::path::Path::new("scenes/pool/scene.xml");
+//! let variables = [("light_radius".to_string(), "0.2".to_string())];
+//! let loaded = load_with(path, &variables, Overrides { size: Some([40, 30]) })?;
+//! assert!(loaded.warnings.is_empty());
+//! assert_eq!(loaded.description.film.width, 40);
+//! assert!(load(std::path::Path::new("scenes/no-such.xml"), &[]).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bsdf;
 mod builder;

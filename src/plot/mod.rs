@@ -1,4 +1,24 @@
 //! Charts in SVG, and conversion of SVG to PNG. Independent of rendering.
+//!
+//! ```
+//! use metrolight::plot::{Axis, Chart, Mark, Series, draw};
+//!
+//! let chart = Chart {
+//!     title: "error against time".into(),
+//!     x: Axis::logarithmic("seconds"),
+//!     y: Axis::logarithmic("relMSE"),
+//!     series: vec![Series {
+//!         label: "bdpt".into(),
+//!         points: vec![[1.0, 0.1], [10.0, 0.01]],
+//!         band: Vec::new(),
+//!         mark: Mark::Line,
+//!         color: 0,
+//!     }],
+//! };
+//! let svg = draw(&[chart], 1)?;
+//! assert!(svg.starts_with("<svg"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod chart;
 pub mod colors;

@@ -1,5 +1,21 @@
 //! Drivers: each decides how the point of the hypercube moves, pairs that with a path sampler, keeps to a
 //! budget, and adds the splats to a film.
+//!
+//! ```
+//! use metrolight::render::{Budget, Integrator, PssmltSettings, Settings, Unobserved, render};
+//!
+//! # let size = metrolight::mitsuba::Overrides { size: Some([16, 12]) };
+//! # let path = std::path::Path::new("scenes/cornell/scene.xml");
+//! # let scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
+//! let own = PssmltSettings { chains: 16, bootstrap: Some(4096), ..Default::default() };
+//! let settings = Settings {
+//!     budget: Budget::SamplesPerPixel(32),
+//!     ..Settings::of(Integrator::Pssmlt(own))
+//! };
+//! let rendering = render(&scene, &settings, &Unobserved)?;
+//! assert_eq!(rendering.statistics.samples, 32 * 16 * 12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod choice;
 mod clock;

@@ -1,4 +1,15 @@
 //! Sources of sample values, and what is made of them: discrete distributions and warps.
+//!
+//! ```
+//! use metrolight::sampling::seeds::Purpose;
+//! use metrolight::sampling::{Dimension, IndependentSampler, Sampler, Stream};
+//!
+//! // A sample has a name, and a dimension has one value whenever it is asked for.
+//! let mut sampler = IndependentSampler::new(7, Purpose::Pixels, 42);
+//! let film: [f32; 2] = sampler.get(Dimension::new(Stream::Camera, 0));
+//! let [y] = sampler.get(Dimension::new(Stream::Camera, 1));
+//! assert_eq!(film[1], y);
+//! ```
 
 pub mod distribution;
 pub mod independent;

@@ -4,6 +4,15 @@
 //! Lengths are in *scene units*: the world of the description is translated and scaled so that its
 //! bounding sphere is centred at the origin with radius [`SCENE_RADIUS`]. Radiance does not depend on
 //! scale; quantities that do (intensities, the lens) are converted once, in `build`.
+//!
+//! ```
+//! let path = std::path::Path::new("scenes/cornell/scene.xml");
+//! let scene = metrolight::mitsuba::load(path, &[])?.description.build()?;
+//! assert_eq!(scene.emitters.len(), 1);
+//! let (min, max) = scene.world_bounds().ok_or("a scene with surfaces")?;
+//! assert!((max - min).min_element() > 1.9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod bsdf;
 mod build;

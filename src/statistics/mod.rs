@@ -1,4 +1,12 @@
 //! Hypothesis tests and diagnostics of Markov chains, independent of rendering.
+//!
+//! ```
+//! use metrolight::statistics::{Moments, welch};
+//!
+//! let a: Moments = [1.0, 2.0, 3.0].into_iter().collect();
+//! let b: Moments = [1.5, 2.5, 2.0].into_iter().collect();
+//! assert!(welch(&a, &b) > 0.5);
+//! ```
 
 pub mod autocorrelation;
 pub mod convergence;

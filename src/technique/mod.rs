@@ -1,6 +1,14 @@
 //! Techniques: the ways to make a path from what the subpaths give (Veach 1997, chapter 10). Each says
 //! what light its path carries, before and after MIS weighting. A path whose unoccluded contribution is
 //! zero traces no shadow ray.
+//!
+//! ```
+//! use metrolight::technique::Technique;
+//!
+//! // Paths of two edges: a light that is hit, next event estimation, and a connection to the lens.
+//! let names: Vec<String> = Technique::all(2).skip(1).map(|t| t.to_string()).collect();
+//! assert_eq!(names, ["(0,3)", "(1,2)", "(2,1)"]);
+//! ```
 
 pub mod camera;
 pub mod contribution;
