@@ -175,7 +175,7 @@ fn standard_errors_of_metropolis_cover_the_truth() {
 /// where nearly all variance of a pixel comes from one part of its samples.
 #[test]
 fn errors_that_are_probably_too_low_give_a_warning() {
-    for (integrator, spp) in [(Method::Bdpt, 16), (Method::Pssmlt, 32)] {
+    for (integrator, spp) in [(Method::Bdpt, 16), (Method::Pssmlt, 64)] {
         let told = |path: &str| {
             let scene = common::load(path, &[("resx", "48"), ("resy", "36")]);
             let settings = with_pssmlt(

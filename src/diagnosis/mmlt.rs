@@ -21,8 +21,9 @@ use crate::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Worksp
 use crate::markov::{Mutations, Perturbation, SmallStep, Target, bootstrap};
 use crate::math::luminance;
 use crate::render::MmltSettings;
+use crate::render::Plan;
+use crate::render::mmlt;
 use crate::render::mmlt::target::MultiplexedTarget;
-use crate::render::mmlt::{self, Plan};
 use crate::sampling::{Dimension, Sampler, Stream};
 use crate::scene::Scene;
 use crate::statistics::{Moments, holm, welch};

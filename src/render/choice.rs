@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::mmlt::{MmltSettings, Plan};
+use super::plan::{MmltSettings, Plan};
 use super::{Integrator, Observer, Settings, in_pool};
 use crate::analysis::{Loss, LostLight};
 use crate::scene::Scene;

@@ -26,6 +26,7 @@ mod independent;
 pub mod mmlt;
 mod passes;
 mod pixel_sampler;
+pub mod plan;
 mod pssmlt;
 pub mod replay;
 pub mod sample_id;
@@ -41,7 +42,7 @@ use crate::scene::Scene;
 
 pub use choice::{Choice, ChoiceReason, choose};
 pub use error::ErrorEstimate;
-pub use mmlt::{MmltSettings, Plan};
+pub use plan::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
 pub use sample_id::{NonFinite, SampleId};
 pub use settings::{Budget, Integrator, Method, PssmltSettings, Settings};

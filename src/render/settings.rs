@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::mmlt::MmltSettings;
+use super::plan::MmltSettings;
 use crate::markov::Perturbation;
 use crate::technique::TechniqueSet;
 

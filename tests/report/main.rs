@@ -128,7 +128,7 @@ fn hostile(place: &Workplace) {
     });
     write("convergence.json", convergence.to_string());
     let diagnosis = json!({ "version": HOSTILE, "scene": HOSTILE, "integrator": HOSTILE, "alpha": 0.1,
-        "effort": {}, "stationary": false, "verdict": HOSTILE });
+        "budget": {}, "stationary": false, "verdict": HOSTILE });
     write("diagnose.json", diagnosis.to_string());
     write("diagnose.txt", format!("{HOSTILE}\n\n{HOSTILE}"));
     write(

@@ -403,7 +403,7 @@ fn twenty_seeds_differ_by_their_estimated_errors() {
         error: true,
         ..pssmlt(64)
     };
-    for rendering in renderings(&scene, &settings, 0..20) {
+    for rendering in renderings(&scene, &settings, 0..80) {
         pixels.resize(rendering.image.pixels.len(), Moments::default());
         for (moments, pixel) in pixels.iter_mut().zip(&rendering.image.pixels) {
             moments.add(f64::from(pixel[1]));

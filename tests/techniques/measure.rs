@@ -163,7 +163,7 @@ fn measure(scene: &Scene, batch: u64, samples: usize) -> (Batch, Behind<u32>) {
     let mut made = Vec::new();
     for i in 0..samples as u64 {
         let index = batch * samples as u64 + i;
-        let mut sampler = IndependentSampler::new(11, Purpose::Pixels, index);
+        let mut sampler = IndependentSampler::new(12, Purpose::Pixels, index);
         BidirectionalPathTracer.sample_paths(scene, &mut sampler, &mut workspace, |path| {
             made.push(path);
         });

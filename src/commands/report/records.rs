@@ -49,7 +49,7 @@ pub struct Diagnosis {
     pub scene: String,
     pub integrator: Value,
     pub alpha: f64,
-    pub effort: Map<String, Value>,
+    pub budget: Map<String, Value>,
     pub stationary: bool,
     pub verdict: String,
 }

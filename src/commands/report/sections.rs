@@ -196,7 +196,7 @@ pub fn diagnosis(folder: &Folder) -> miette::Result<Option<DiagnosisSection>> {
             .with("scene", record.scene)
             .with("integrator", plain(&record.integrator))
             .with("alpha", record.alpha)
-            .with_all(&record.effort),
+            .with_all(&record.budget),
     });
     // The text begins with the verdict, which is shown separately.
     let tables = text.map(|text| match &verdict {

@@ -1,11 +1,8 @@
 //! Multiplexed Metropolis light transport for the paths that are too bright for independent samples.
 //!
-//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`clamp`]), and
+//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`super::plan::clamp`]), and
 //! multiplexed Markov chains for the residual ([`redistribution`]): the sum of both is without bias.
 
-pub mod clamp;
-pub mod importance;
-pub mod pilot;
 mod redistribution;
 pub mod target;
 
@@ -13,8 +10,6 @@ use std::time::Instant;
 
 pub use redistribution::mutations;
 
-use self::clamp::Clamp;
-use self::pilot::Pilot;
 use self::redistribution::{Redistribution, Residual};
 use super::clock::Clock;
 use super::driver::{Driver, drive};
@@ -22,67 +17,16 @@ use super::error::{ErrorEstimate, TargetError};
 use super::estimate::{ImageEstimate, TileSplats};
 use super::passes::{PassLoop, TileBuffer};
 use super::pixel_sampler::PixelSampler;
+use super::plan::clamp::Clamp;
+use super::plan::{MmltSettings, Plan};
 use super::statistics::{MmltStatistics, MutationStatistics};
 use super::{
     Budget, Integrator, Observer, Rendering, Settings, Statistics, Unobserved, pixel_count,
 };
 use crate::film::{FilmSampler, Image};
 use crate::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
-use crate::markov::Perturbation;
 use crate::math::color::is_light;
 use crate::scene::{RayCounts, Scene};
-
-/// Settings of multiplexed Metropolis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MmltSettings {
-    /// How a small step perturbs all coordinates but the technique.
-    pub small_step: Perturbation,
-    /// Direct light is not clamped.
-    pub separate_direct: bool,
-    /// Use an importance map; otherwise all regions of the image count by their luminance.
-    pub importance_map: bool,
-    /// tau of [`clamp`]; `None` for the best.
-    pub threshold: Option<f32>,
-    /// Made by an earlier pilot for the same scene and settings; `None` to run one.
-    pub plan: Option<Plan>,
-}
-
-impl Default for MmltSettings {
-    fn default() -> Self {
-        Self {
-            // Over many scales, so that some steps suit features of any size.
-            small_step: Perturbation::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
-            separate_direct: true,
-            importance_map: true,
-            threshold: None,
-            plan: None,
-        }
-    }
-}
-
-/// What the pilot decides.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// How the light is divided.
-    pub clamp: Clamp,
-    /// Samples of the pilot.
-    pub samples: u64,
-    /// Its rays.
-    pub rays: RayCounts,
-}
-
-impl Plan {
-    /// Runs a pilot, until `is_over` at the latest.
-    pub fn new(scene: &Scene, seed: u64, own: &MmltSettings, is_over: impl Fn() -> bool) -> Self {
-        let pilot = Pilot::run(scene, seed, is_over);
-        let size = [scene.film.width, scene.film.height];
-        Self {
-            clamp: Clamp::new(size, &pilot, own),
-            samples: pilot.samples,
-            rays: pilot.rays,
-        }
-    }
-}
 
 /// Renders `scene`.
 pub(super) fn render(

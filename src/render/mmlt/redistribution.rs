@@ -22,7 +22,6 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::clamp::Clamp;
 use super::target::{MultiplexedTarget, WithTechnique};
 use crate::fault::{Fault, planted};
 use crate::film::{Splat, SplatFilm, SplatLog};
@@ -34,6 +33,7 @@ use crate::math::color::saturated;
 use crate::path::dimensions;
 use crate::render::NonFinite;
 use crate::render::pixel_sampler::PixelSampler;
+use crate::render::plan::Clamp;
 use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;

@@ -1,12 +1,12 @@
 //! The target of the chains of multiplexed Metropolis.
 
-use super::clamp::Clamp;
 use crate::fault::{Fault, planted};
 use crate::film::Splat;
 use crate::integrators::{PathSampler, SingleTechnique, SplatList, Workspace};
 use crate::markov::Target;
 use crate::math::color;
 use crate::path::dimensions;
+use crate::render::plan::Clamp;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;

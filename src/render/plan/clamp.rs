@@ -206,7 +206,7 @@ impl Moments {
 mod tests {
     use super::*;
     use crate::math::Rgb;
-    use crate::render::mmlt::pilot::Found;
+    use crate::render::plan::pilot::Found;
     use crate::scene::RayCounts;
 
     /// A pilot of `n` samples, each of which has found a grey path of three edges with this luminance.
