@@ -135,6 +135,10 @@ fn samples_that_no_render_takes_are_rejected() {
         run(Method::Pssmlt, "pass=0,pixel=0"),
         Some(ReplayError::WrongIntegrator("pssmlt"))
     );
+    assert_eq!(
+        run(Method::Pssmlt, "chain=18446744073709551615,start=2,step=1"),
+        Some(ReplayError::NoSuchChain)
+    );
     metrolight()
         .args([
             "replay",

@@ -67,7 +67,7 @@ impl IntegratorArgs {
     /// option forbids.
     pub fn integrator(&self, name: Option<IntegratorName>) -> miette::Result<Integrator> {
         self.check(name)?;
-        Ok(match name.map(Method::from) {
+        Ok(match name.map(|name| name.0) {
             Some(Method::Path) => Integrator::Path,
             Some(Method::Light) => Integrator::Light,
             Some(Method::Bdpt) => Integrator::Bdpt,
@@ -116,7 +116,7 @@ impl IntegratorArgs {
         for (option, given, of) in options {
             let names: Vec<&str> = of.iter().map(|method| method.name()).collect();
             match name {
-                Some(name) if given && !of.contains(&name.into()) => {
+                Some(name) if given && !of.contains(&name.0) => {
                     bail!("{option} applies to {}, not to {name}", names.join(" and "))
                 }
                 None if given => bail!("{option} needs --integrator {}", names.join(" or ")),

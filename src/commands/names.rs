@@ -1,21 +1,43 @@
 //! Names that options take, for closed sets of the library.
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use metrolight::render::Method;
 
-/// Integrators, each with what it is good for.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum IntegratorName {
-    /// Path tracing: for large emitters and few bounces
-    Path,
-    /// Light tracing: for directly visible caustics
-    Light,
-    /// Bidirectional path tracing
-    Bdpt,
-    /// Primary sample space Metropolis over bidirectional path tracing
-    Pssmlt,
-    /// Multiplexed Metropolis for bright paths, bidirectional path tracing for the rest
-    Mmlt,
+/// An integrator, each with what it is good for.
+#[derive(Clone, Copy, PartialEq)]
+pub struct IntegratorName(pub Method);
+
+impl ValueEnum for IntegratorName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [IntegratorName; 5] = [
+            IntegratorName(Method::ALL[0]),
+            IntegratorName(Method::ALL[1]),
+            IntegratorName(Method::ALL[2]),
+            IntegratorName(Method::ALL[3]),
+            IntegratorName(Method::ALL[4]),
+        ];
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            Method::Path => "Path tracing: for large emitters and few bounces",
+            Method::Light => "Light tracing: for directly visible caustics",
+            Method::Bdpt => "Bidirectional path tracing",
+            Method::Pssmlt => "Primary sample space Metropolis over bidirectional path tracing",
+            Method::Mmlt => {
+                "Multiplexed Metropolis for bright paths, bidirectional path tracing for the rest"
+            }
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
+    }
+}
+
+impl std::fmt::Display for IntegratorName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0.name())
+    }
 }
 
 /// How mmlt renders direct light.
@@ -33,35 +55,5 @@ impl std::fmt::Display for DirectName {
             Self::Separate => "separate",
             Self::Joint => "joint",
         })
-    }
-}
-
-impl From<Method> for IntegratorName {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Path => Self::Path,
-            Method::Light => Self::Light,
-            Method::Bdpt => Self::Bdpt,
-            Method::Pssmlt => Self::Pssmlt,
-            Method::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl From<IntegratorName> for Method {
-    fn from(name: IntegratorName) -> Self {
-        match name {
-            IntegratorName::Path => Self::Path,
-            IntegratorName::Light => Self::Light,
-            IntegratorName::Bdpt => Self::Bdpt,
-            IntegratorName::Pssmlt => Self::Pssmlt,
-            IntegratorName::Mmlt => Self::Mmlt,
-        }
-    }
-}
-
-impl std::fmt::Display for IntegratorName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(Method::from(*self).name())
     }
 }

@@ -31,7 +31,7 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Integrator of the render
-    #[arg(long, default_value_t = Method::Pssmlt.into())]
+    #[arg(long, default_value_t = IntegratorName(Method::Pssmlt))]
     integrator: IntegratorName,
 
     /// Seed of the render
@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     warn(&opened.warnings);
     let mut settings = Settings {
         seed: args.seed,
-        ..Settings::new(args.integrator.into())
+        ..Settings::new(args.integrator.0)
     };
     if let Integrator::Pssmlt(own) = &mut settings.integrator {
         own.large_step_probability = args.large_step_probability;

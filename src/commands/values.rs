@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use metrolight::markov::Perturbation;
+use metrolight::render::MAX_CHAINS;
 
 /// A time in seconds, from `60`, `60s`, `2m` or `1.5h`.
 pub fn seconds(text: &str) -> Result<f64, String> {
@@ -94,9 +95,6 @@ pub fn chains(text: &str) -> Result<u64, String> {
     let expected = format_args!("a number of chains from 1 to {MAX_CHAINS}");
     parse(text, |n| (1..=MAX_CHAINS).contains(n), expected)
 }
-
-/// A limit on memory: a chain takes some kilobytes.
-const MAX_CHAINS: u64 = 1 << 20;
 
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {

@@ -101,6 +101,11 @@ impl<'a> MmltChains<'a> {
     ) -> Result<Self, DiagnoseError> {
         set_film(scene);
         let plan = Plan::new(scene, seed, &own, || false);
+        // Whole tasks, and two at least, whose spread is the error.
+        let samples = MmltSamples {
+            independent: samples.independent.next_multiple_of(RUN).max(2 * RUN),
+            ..samples
+        };
         let mut chains = Self {
             scene,
             own,
@@ -144,7 +149,7 @@ impl<'a> MmltChains<'a> {
     }
 
     /// Hands the residual of every path of the independent samples to `add`, with the number of edges and
-    /// its density: one sum for each task.
+    /// its density: one sum for each task. Lengths without chains are left out, once they are known.
     fn residuals<T: Default + Send>(
         &self,
         seed: u64,
@@ -161,7 +166,9 @@ impl<'a> MmltChains<'a> {
                     let edges = path.technique.edges();
                     let [_, residual] = clamp.split(edges, path.splat());
                     let density = f64::from(clamp.luminance(residual));
-                    if density > 0.0 && density.is_finite() {
+                    let has_chains =
+                        self.lengths.is_empty() || self.lengths.iter().any(|l| l.edges == edges);
+                    if density > 0.0 && density.is_finite() && has_chains {
                         add(&mut sum, edges, residual, density);
                     }
                 });
@@ -233,7 +240,11 @@ impl<'a> MmltChains<'a> {
             let pixels = f64::from(super::paths::PIXELS).powi(2);
             let started = self.samples.renders as f64 * passes as f64 * pixels;
             let share = (started / self.samples.independent as f64).min(1.0);
-            let is_testable = share * sum * sum > MIN_EFFECTIVE * square;
+            // Where few chains come by, their mean is far from normal.
+            let all: f64 = chains.iter().map(|quadrants| quadrants[i]).sum();
+            let squares: f64 = chains.iter().map(|quadrants| quadrants[i].powi(2)).sum();
+            let is_testable = share * sum * sum > MIN_EFFECTIVE * square
+                && 2.0 * all * all > chains.len() as f64 * squares;
             is_testable.then(|| {
                 let means = batches.iter().map(|[sums, _]| sums[i] / RUN as f64);
                 let independent: Moments = means.collect();

@@ -196,7 +196,7 @@ impl<T: Default> Chain<T> {
         } else if self.current.density > 0.0 {
             let mut ratio = proposed / self.current.density;
             let log_density_ratio = self.state.log_density_ratio();
-            if log_density_ratio != 0.0 {
+            if log_density_ratio != 0.0 && ratio > 0.0 {
                 ratio *= log_density_ratio.exp();
             }
             if planted(Fault::InvertedRatio) {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::plan::{MmltSettings, Plan};
 use super::{Integrator, Observer, Settings, in_pool};
 use crate::analysis::{Loss, LostLight};
-use crate::scene::Scene;
+use crate::scene::{RayCounts, Scene};
 
 /// Chains are chosen if the expected ratio of errors exceeds this: independent samples are simpler.
 const MIN_GAIN: f64 = 1.05;
@@ -71,6 +71,11 @@ pub fn choose(
         let rare_light = lost.iter().any(|lost| lost.loss == Loss::Nearly);
         let samples = plan.samples;
         let integrator = if gain > MIN_GAIN || rare_light {
+            // The render counts neither the time nor the rays of the choice.
+            let plan = Plan {
+                rays: RayCounts::default(),
+                ..plan
+            };
             Integrator::Mmlt(MmltSettings {
                 plan: Some(plan),
                 ..own.clone()

@@ -45,7 +45,7 @@ pub use error::ErrorEstimate;
 pub use plan::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
 pub use sample_id::{NonFinite, SampleId};
-pub use settings::{Budget, Integrator, Method, PssmltSettings, Settings};
+pub use settings::{Budget, Integrator, MAX_CHAINS, Method, PssmltSettings, Settings};
 pub use statistics::{MmltStatistics, MutationStatistics, PssmltStatistics, Statistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies};
 pub use target::SplatTarget;

@@ -1,12 +1,11 @@
 //! One sample of a render, made again and taken apart.
 
 use super::pixel_sampler::PixelSamples;
-use super::{Integrator, Method, SampleId, Settings};
+use super::{Integrator, MAX_CHAINS, Method, SampleId, Settings};
 use crate::integrators::{
     BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
 };
 use crate::markov::{Chain, Mutations, Target, bootstrap};
-use crate::path::dimensions;
 use crate::sampling::{Sampler, seeds};
 use crate::scene::Scene;
 use crate::technique::PathContribution;
@@ -17,8 +16,6 @@ pub struct Replay<'a> {
     method: Method,
     /// The subpaths.
     pub workspace: Workspace,
-    /// Film position of the camera subpath, in [0, 1)^2.
-    pub film: [f32; 2],
     /// The contribution of every technique.
     pub contributions: Vec<PathContribution>,
 }
@@ -33,6 +30,9 @@ pub enum ReplayError {
     /// The image is smaller.
     #[error("the image has {0} pixels only: is its size that of the render?")]
     NoSuchPixel(u64),
+    /// No render has so many chains.
+    #[error("a render has at most {MAX_CHAINS} chains")]
+    NoSuchChain,
     /// A chain starts at a sample with light.
     #[error("bootstrap sample {0} has no light, so that no chain started from it")]
     DarkStart(u64),
@@ -55,7 +55,6 @@ impl<'a> Replay<'a> {
             scene,
             method,
             workspace: Workspace::default(),
-            film: [0.0; 2],
             contributions: Vec::new(),
         };
         let seed = settings.seed;
@@ -72,6 +71,9 @@ impl<'a> Replay<'a> {
             }
             (SampleId::Bootstrap { sample }, Integrator::Pssmlt(_)) => {
                 replay.sample(&mut bootstrap::sample(seed, sample));
+            }
+            (SampleId::Mutation { chain, .. }, _) if chain >= MAX_CHAINS => {
+                return Err(ReplayError::NoSuchChain);
             }
             (SampleId::Mutation { chain, start, step }, Integrator::Pssmlt(own)) => {
                 let mutations = Mutations::kelemen(own.large_step_probability, own.small_step);
@@ -110,10 +112,6 @@ impl<'a> Replay<'a> {
         } = self;
         contributions.clear();
         path_sampler.sample_paths(scene, sampler, workspace, |path| contributions.push(path));
-        self.film = match self.method {
-            Method::Light => [0.0; 2],
-            _ => sampler.get(dimensions::FILM),
-        };
     }
 }
 

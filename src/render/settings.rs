@@ -105,6 +105,9 @@ impl From<Method> for Integrator {
     }
 }
 
+/// Most Markov chains: each takes some kilobytes.
+pub const MAX_CHAINS: u64 = 1 << 20;
+
 /// Settings of primary sample space Metropolis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PssmltSettings {

@@ -204,7 +204,7 @@ impl Args {
     fn variants(&self) -> miette::Result<Vec<Variant>> {
         let mut variants = Vec::new();
         for &name in &self.integrators {
-            let method = Method::from(name);
+            let method = name.0;
             let settings = Settings {
                 budget: self.budget(),
                 seed: self.seed,
@@ -229,7 +229,7 @@ impl Args {
             && !self
                 .integrators
                 .iter()
-                .any(|&name| sweep.applies_to(name.into()))
+                .any(|&name| sweep.applies_to(name.0))
         {
             bail!(
                 "--sweep: {} applies to none of the integrators",
@@ -250,10 +250,10 @@ impl Args {
     fn reference_options(&self) -> RenderOptions {
         let measured = |method| {
             let mut names = self.integrators.iter();
-            names.any(|&name| Method::from(name) == method)
+            names.any(|&name| name.0 == method)
         };
         let method = match self.reference_integrator {
-            Some(name) => name.into(),
+            Some(name) => name.0,
             None if measured(Method::Mmlt) => Method::Mmlt,
             None if measured(Method::Pssmlt) => Method::Pssmlt,
             None => Method::Bdpt,

@@ -38,7 +38,7 @@ fn chains_without_a_fault_pass() {
         let names = [
             "sum to the path",
             "redistributed",
-            "b of weights",
+            "b of bootstrap",
             "Bowker, small step",
         ];
         for name in names {

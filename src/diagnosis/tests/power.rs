@@ -30,7 +30,7 @@ const QUICK: u64 = 6;
 const LONG: u64 = 300;
 
 /// Where a fault is looked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Hunt {
     /// By `diagnose`: the probability of a large step, a target, the number of chains, and n for 2^n
     /// samples for b.
@@ -296,10 +296,21 @@ fn every_planted_fault_is_found() {
     }
 }
 
-/// Without a fault the same runs do not reject: of 19 x 6 of them one may, with probability 0.11.
+/// Without a fault the same runs do not reject. Of 60 different runs one does with probability 0.06, which
+/// is allowed, and two with probability 0.002.
 #[test]
 fn no_fault_is_found_where_there_is_none() {
-    let found = HUNTS.map(|(_, hunt, _)| rejections(None, hunt, QUICK).0);
+    let mut hunts: Vec<Hunt> = Vec::new();
+    for (_, hunt, _) in HUNTS {
+        if !hunts.contains(&hunt) {
+            hunts.push(hunt);
+        }
+    }
+    assert_eq!(hunts.len(), 10);
+    let found: Vec<u64> = hunts
+        .iter()
+        .map(|&hunt| rejections(None, hunt, QUICK).0)
+        .collect();
     assert!(found.iter().sum::<u64>() <= 1, "{found:?}");
 }
 

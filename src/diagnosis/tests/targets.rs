@@ -3,7 +3,6 @@
 use crate::diagnosis::{
     COORDINATES, ChainTarget, Features, IndependentEstimate, Observation, TILES, tile_at,
 };
-use crate::fault::{Fault, planted};
 use crate::markov::{Mutations, Perturbation, Target, bootstrap};
 use crate::path::dimensions;
 use crate::sampling::{Dimension, Sampler, Stream};
@@ -96,8 +95,7 @@ impl Target for Analytic {
             Self::Multiplexed => {
                 let [choice] = sampler.get(dimensions::TECHNIQUE);
                 technique = ((choice * 3.0) as usize).min(2);
-                let left_out = planted(Fault::TechniqueCountLeftOut);
-                techniques(x, y)[technique] * if left_out { 1.0 } else { 3.0 }
+                techniques(x, y)[technique] * 3.0
             }
         };
         let tile = tile_at([x, y], [1.0; 2]);

@@ -13,6 +13,8 @@ pub enum Perturbation {
     /// Its length is log-uniform between two bounds and its sign fair (Kelemen et al. 2002, section
     /// 3.1).
     LogUniform {
+        /// s_1.
+        shortest: f32,
         /// s_2.
         longest: f32,
         /// log2(s_1 / s_2).
@@ -43,6 +45,7 @@ impl Perturbation {
     /// 1/2.
     pub fn new(shortest: f32, longest: f32) -> Self {
         Self::LogUniform {
+            shortest,
             longest,
             log2_ratio: (shortest / longest).log2(),
         }
@@ -55,6 +58,7 @@ impl Perturbation {
             Self::LogUniform {
                 longest,
                 log2_ratio,
+                ..
             } => {
                 let bits = rng.next_u64();
                 // 24 bits for the length, and one far from them for the sign.
@@ -90,11 +94,11 @@ impl Perturbation {
             |variance: f64| LOG_TOLERANCE / (2.0 * std::f64::consts::PI.powi(2) * variance);
         let steps = match *self {
             Self::LogUniform {
+                shortest,
                 longest,
                 log2_ratio,
             } => {
-                let longest = f64::from(longest);
-                let shortest = longest * f64::from(log2_ratio).exp2();
+                let [shortest, longest] = [shortest, longest].map(f64::from);
                 let variance = if log2_ratio == 0.0 {
                     longest * longest
                 } else {
@@ -120,12 +124,8 @@ impl fmt::Display for Perturbation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::LogUniform {
-                longest,
-                log2_ratio,
-            } => {
-                let shortest = longest * log2_ratio.exp2();
-                write!(f, "log:{shortest}:{longest}")
-            }
+                shortest, longest, ..
+            } => write!(f, "log:{shortest}:{longest}"),
             Self::Gaussian { deviation } => write!(f, "gaussian:{deviation}"),
             Self::Redraw { probability } => write!(f, "redraw:{probability}"),
         }

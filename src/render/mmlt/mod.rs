@@ -166,7 +166,7 @@ fn sample(
         let [below, residual] = clamp.split(path.technique.edges(), path.splat());
         clamped.last.add(path.technique, below);
         let density = f64::from(clamp.luminance(residual));
-        if density > 0.0 && is_light(residual.value) {
+        if density > 0.0 && density.is_finite() && is_light(residual.value) {
             residuals.push(Residual {
                 sample: start,
                 technique: path.technique,

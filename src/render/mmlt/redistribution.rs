@@ -2,15 +2,16 @@
 //! (Hachisuka et al. 2014): chains start at independent samples, in proportion to their residuals.
 //!
 //! N independent samples find residuals with densities T_1, T_2, ... and sum W, so that W/N estimates b =
-//! sum b_k without bias. They are resampled in proportion to T: each of n chains starts at one of them and
-//! makes m mutations. On average over the independent samples, the chains are in equilibrium from their
-//! first state on, so that
+//! sum b_k without bias. They are resampled in proportion to T: each of some chains, x on average, starts at
+//! one of them and makes m mutations. On average over the independent samples, the chains are in
+//! equilibrium from their first state on, so that
 //!
-//!   (W/N) (1/(n m)) sum over all visits of F/I
+//!   (W/N) (1/(x m)) sum over all visits of F/I
 //!
-//! estimates the integral of F without bias, for any n and m, even if no chain leaves the neighbourhood of
-//! its start: there is no start-up bias, and no separate estimate of b (Veach and Guibas 1997, section
-//! 5.1, weight their chains in the same way).
+//! estimates the integral of F without bias, for any x that depends on W and any m that does not, even if no
+//! chain leaves the neighbourhood of its start: there is no start-up bias, and no separate estimate of b
+//! (Veach and Guibas 1997, section 5.1, weight their chains in the same way). A length m that depended on W
+//! would depend on the start, because W contains its T.
 //!
 //! This is done anew for every block of samples. Every sample of the render refines b_k, like the large
 //! steps of other chains, and is a possible start of a chain. So the chains need no large steps.
@@ -38,8 +39,8 @@ use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;
 
-/// Mutations of a chain: fewest, where the block has found little, and most.
-const MUTATIONS: [f64; 2] = [64.0, 8192.0];
+/// Mutations of a chain: fewest, in a small block, and most.
+const MUTATIONS: [u64; 2] = [64, 8192];
 
 /// Most mutations per independent sample: where they do not suffice, each carries more energy.
 const MAX_PER_SAMPLE: f64 = 8.0;
@@ -71,13 +72,16 @@ pub fn mutations(small_step: impl Into<SmallStep>) -> Mutations {
     Mutations::new([(1.0, Mutation::SmallStep(small_step))])
 }
 
-/// Number of chains of a block whose residuals have the sum `total`, over `samples` samples, and the
-/// mutations of each.
-fn plan(total: f64, samples: u64, energy: f64) -> (usize, u64) {
+/// m: mutations of each chain of a block of `samples` samples.
+fn mutations_per_chain(samples: u64) -> u64 {
     let [fewest, most] = MUTATIONS;
-    let wanted = (total / energy).min(MAX_PER_SAMPLE * samples as f64);
-    let mutations = wanted.clamp(fewest, most) as u64;
-    ((wanted / mutations as f64).ceil() as usize, mutations)
+    (samples / 2).clamp(fewest, most)
+}
+
+/// x: mean number of chains of a block whose residuals have the sum `total`, over `samples` samples.
+fn mean_chains(total: f64, samples: u64, energy: f64) -> f64 {
+    let mutations = (total / energy).min(MAX_PER_SAMPLE * samples as f64);
+    mutations / mutations_per_chain(samples) as f64
 }
 
 /// The chains of a render.
@@ -140,15 +144,17 @@ impl<'a> Redistribution<'a> {
         }
         let densities: Vec<f64> = residuals.iter().map(|residual| residual.density).collect();
         let total: f64 = densities.iter().sum();
-        let (chains, mutations) = plan(total, samples, clamp.energy);
+        let chains = mean_chains(total, samples, clamp.energy);
+        let mutations = mutations_per_chain(samples);
         let mut rng = self.generator(0);
-        let mut starts = systematic_resample(&densities, chains, rng.random());
+        let rounded = (chains + rng.random::<f64>()).floor() as usize;
+        let mut starts = systematic_resample(&densities, rounded, rng.random());
         if planted(Fault::ResampledUniformly) {
             starts = (0..starts.len())
                 .map(|i| i * residuals.len() / starts.len())
                 .collect();
         }
-        let mut weight = total / (starts.len() as u64 * mutations) as f64;
+        let mut weight = total / (chains * mutations as f64);
         if planted(Fault::ChainWeightOff) {
             weight *= 2.0;
         }
@@ -243,11 +249,16 @@ fn log_sample(log: &mut SplatLog, sample: &Sample<SplatList>, weight: f64) {
 mod tests {
     use super::*;
 
+    /// The length of a chain does not depend on what the block has found.
     #[test]
     fn chains_have_the_energy_that_is_wanted_within_limits() {
-        assert_eq!(plan(0.0, 100, 1.0), (0, 64));
-        assert_eq!(plan(64.0, 100, 1.0), (1, 64));
-        assert_eq!(plan(1e6, 1 << 16, 1.0), (64, 8192));
-        assert_eq!(plan(3e5, 1 << 16, 1.0), (37, 8192));
+        assert_eq!(
+            [10, 4096, 1 << 16].map(mutations_per_chain),
+            [64, 2048, 8192]
+        );
+        assert_eq!(mean_chains(0.0, 100, 1.0), 0.0);
+        assert_eq!(mean_chains(16.0, 100, 1.0), 0.25);
+        assert_eq!(mean_chains(1e6, 1 << 16, 1.0), 64.0);
+        assert_eq!(mean_chains(81_920.0, 1 << 16, 1.0), 10.0);
     }
 }

@@ -69,7 +69,7 @@ impl Clamp {
         let map = if settings.importance_map {
             ImportanceMap::new(&splats, pilot.samples, size)
         } else {
-            ImportanceMap::uniform(ImportanceMap::mean(&splats, pilot.samples) as f32)
+            ImportanceMap::uniform(ImportanceMap::mean(&splats, pilot.samples))
         };
         let mut clamp = Self {
             map,
@@ -281,7 +281,15 @@ mod tests {
 
     #[test]
     fn a_black_pilot_gives_a_clamp() {
-        let dark = clamp(&pilot(1 << 12, |_| 0.0));
-        assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain == 1.0);
+        for importance_map in [true, false] {
+            let settings = MmltSettings {
+                importance_map,
+                ..MmltSettings::default()
+            };
+            let dark = Clamp::new([64, 48], &pilot(1 << 12, |_| 0.0), &settings);
+            assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain == 1.0);
+            let [clamped, residual] = dark.split(5, grey(1.0, [0.5, 0.5]));
+            assert_eq!(clamped.value.x + residual.value.x, 1.0);
+        }
     }
 }

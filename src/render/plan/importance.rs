@@ -28,8 +28,9 @@ impl ImportanceMap {
     /// not dominate its cell.
     const MAX_SPLAT: f64 = 50.0;
 
-    /// The luminance `level` > 0 everywhere.
-    pub fn uniform(level: f32) -> Self {
+    /// The luminance `mean` everywhere, or 1 if the pilot has found no light.
+    pub fn uniform(mean: f64) -> Self {
+        let level = if mean > 0.0 { mean as f32 } else { 1.0 };
         Self {
             columns: 1,
             rows: 1,
@@ -41,7 +42,7 @@ impl ImportanceMap {
     pub fn new(splats: &[Splat], samples: u64, size: [u32; 2]) -> Self {
         let mean = Self::mean(splats, samples);
         if mean <= 0.0 {
-            return Self::uniform(1.0);
+            return Self::uniform(mean);
         }
         let cells = (samples as f64 / Self::SAMPLES).clamp(1.0, Self::MAX_CELLS);
         let aspect = f64::from(size[0]) / f64::from(size[1]);
