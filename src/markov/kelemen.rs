@@ -13,9 +13,9 @@ pub struct KelemenWeights {
 }
 
 impl KelemenWeights {
-    /// The factors of a sample's contribution F(u) in the chain part and in the large-step part of
-    /// an estimate (see [`super::chain`]), each still to be divided by the number of mutations. 0
-    /// where the density is 0 or not finite.
+    /// The factors of a sample's contribution F(u) in the chain part and in the large-step part of an
+    /// estimate (see [`super::chain`]), before division by the number of mutations. 0 if the density is 0
+    /// or not finite.
     #[inline]
     pub fn factors<T>(&self, sample: &Sample<T>) -> [f64; 2] {
         if !sample.density.is_finite() || sample.density <= 0.0 {
