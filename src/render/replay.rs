@@ -1,4 +1,4 @@
-//! One sample of a render, made again and taken apart.
+//! Replay of a single sample of a render, with its subpaths and the contributions of its techniques.
 
 use super::pixel_sampler::PixelSamples;
 use super::{Integrator, Method, SampleId, Settings};
@@ -11,7 +11,7 @@ use crate::sampling::{Sampler, seeds};
 use crate::scene::Scene;
 use crate::technique::PathContribution;
 
-/// A sample with all that it is made of.
+/// A replayed sample.
 pub struct Replay<'a> {
     scene: &'a Scene,
     method: Method,
@@ -19,32 +19,31 @@ pub struct Replay<'a> {
     pub workspace: Workspace,
     /// Film position of the camera subpath, in [0, 1)^2.
     pub film: [f32; 2],
-    /// The contribution of every technique.
+    /// The contributions of all techniques that found light.
     pub contributions: Vec<PathContribution>,
 }
 
-/// Why a sample cannot be made again.
+/// Why a sample cannot be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayError {
-    /// Independent samples of pixels are made by all integrators but `pssmlt`, whose samples are those of
-    /// a bootstrap and of chains.
-    #[error("the integrator {0} makes no such sample")]
+    /// Only `pssmlt` has samples of a bootstrap and of chains; all other integrators have samples of pixels.
+    #[error("the integrator {0} has no samples of this kind")]
     WrongIntegrator(&'static str),
-    /// The image is smaller.
-    #[error("the image has {0} pixels only: is its size that of the render?")]
+    /// The image has too few pixels.
+    #[error("the image has only {0} pixels: set the image size of the render")]
     NoSuchPixel(u64),
-    /// A chain starts at a sample with light.
-    #[error("bootstrap sample {0} has no light, so that no chain started from it")]
+    /// Chains start only at samples with light.
+    #[error("bootstrap sample {0} has no light, so no chain starts from it")]
     DarkStart(u64),
 }
 
 impl<'a> Replay<'a> {
-    /// Makes the sample again that a render of `scene` with these settings made under the name `sample`.
-    /// The integrator, the seed and, for a chain, its mutations matter.
+    /// Replays the sample `sample` of a render of `scene` with these settings. Only the integrator, the seed
+    /// and, for a chain, its mutations are used.
     ///
     /// # Errors
-    /// If the integrator makes no such samples, the image has no such pixel, or the chain could not
-    /// have started there.
+    /// If the integrator has no such samples, the image has no such pixel, or the chain cannot start at its
+    /// bootstrap sample.
     pub fn run(
         scene: &'a Scene,
         settings: &Settings,
@@ -73,8 +72,11 @@ impl<'a> Replay<'a> {
             (SampleId::Bootstrap { sample }, Integrator::Pssmlt(_)) => {
                 replay.sample(&mut bootstrap::sample(seed, sample));
             }
-            (SampleId::Mutation { chain, start, step }, Integrator::Pssmlt(own)) => {
-                let mutations = Mutations::kelemen(own.large_step_probability, own.small_step);
+            (SampleId::Mutation { chain, start, step }, Integrator::Pssmlt(method_settings)) => {
+                let mutations = Mutations::kelemen(
+                    method_settings.large_step_probability,
+                    method_settings.small_step,
+                );
                 let rng = seeds::chain_generator(seed, chain);
                 let sample = bootstrap::sample(seed, start);
                 let mut chain = Chain::start(&mut replay, sample, rng, mutations);

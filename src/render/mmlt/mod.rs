@@ -1,7 +1,7 @@
 //! Multiplexed Metropolis light transport for the paths that are too bright for independent samples.
 //!
-//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`clamp`]), and
-//! multiplexed Markov chains for the residual ([`redistribution`]): the sum of both is without bias.
+//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`clamp`]), plus
+//! multiplexed Markov chains for the residual ([`redistribution`]). The sum of both is unbiased.
 
 pub mod clamp;
 pub mod importance;
@@ -35,22 +35,22 @@ use crate::scene::{RayCounts, Scene};
 /// Settings of multiplexed Metropolis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MmltSettings {
-    /// How a small step perturbs all coordinates but the technique.
+    /// Perturbation of all coordinates but the technique by a small step.
     pub small_step: Perturbation,
     /// Direct light is not clamped.
     pub separate_direct: bool,
-    /// Use an importance map; otherwise all regions of the image count by their luminance.
+    /// Use an importance map; otherwise all regions of the image are weighted by their luminance.
     pub importance_map: bool,
-    /// tau of [`clamp`]; `None` for the best.
+    /// tau of [`clamp`]; `None` to choose the best by the pilot.
     pub threshold: Option<f32>,
-    /// Made by an earlier pilot for the same scene and settings; `None` to run one.
+    /// The plan of an earlier pilot for the same scene and settings; `None` to run a pilot.
     pub plan: Option<Plan>,
 }
 
 impl Default for MmltSettings {
     fn default() -> Self {
         Self {
-            // Over many scales, so that some steps suit features of any size.
+            // Lengths of many scales, so that some steps suit features of any size.
             small_step: Perturbation::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
             separate_direct: true,
             importance_map: true,
@@ -60,10 +60,10 @@ impl Default for MmltSettings {
     }
 }
 
-/// What the pilot decides.
+/// The result of the pilot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// How the light is divided.
+    /// How light is divided between independent samples and chains.
     pub clamp: Clamp,
     /// Samples of the pilot.
     pub samples: u64,
@@ -72,12 +72,17 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Runs a pilot, until `is_over` at the latest.
-    pub fn new(scene: &Scene, seed: u64, own: &MmltSettings, is_over: impl Fn() -> bool) -> Self {
+    /// Runs a pilot, which ends early when `is_over` returns true.
+    pub fn new(
+        scene: &Scene,
+        seed: u64,
+        method_settings: &MmltSettings,
+        is_over: impl Fn() -> bool,
+    ) -> Self {
         let pilot = Pilot::run(scene, seed, is_over);
         let size = [scene.film.width, scene.film.height];
         Self {
-            clamp: Clamp::new(size, &pilot, own),
+            clamp: Clamp::new(size, &pilot, method_settings),
             samples: pilot.samples,
             rays: pilot.rays,
         }
@@ -88,43 +93,49 @@ impl Plan {
 pub(super) fn render(
     scene: &Scene,
     settings: &Settings,
-    own: &MmltSettings,
+    method_settings: &MmltSettings,
     observer: &dyn Observer,
 ) -> Rendering {
     let start = Instant::now();
 
-    // Let a pilot decide how the light is divided.
-    let plan = own.plan.clone().unwrap_or_else(|| {
+    // Choose the clamp by a pilot.
+    let plan = method_settings.plan.clone().unwrap_or_else(|| {
         observer.phase("pilot");
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
-        Plan::new(scene, settings.seed, own, is_over)
+        Plan::new(scene, settings.seed, method_settings, is_over)
     });
 
     // Take independent samples and redistribute their residuals, block by block.
     observer.phase("rendering");
-    let mut driver = Mmlt::new(scene, settings, own, plan);
+    let mut driver = Mmlt::new(scene, settings, method_settings, plan);
     let mut clock = Clock::new(start, settings.budget, pixel_count(scene), observer);
     let target = TargetError::new(settings, pixel_count(scene));
     drive(&mut driver, &mut clock, target);
     driver.finish(settings, &clock)
 }
 
-/// The image of the chains alone, after so many passes of a render of `scene`.
-pub fn residual_image(scene: &Scene, own: &MmltSettings, seed: u64, passes: u64) -> Image {
+/// The image of the chains alone, after `passes` passes of a render of `scene`.
+pub fn residual_image(
+    scene: &Scene,
+    method_settings: &MmltSettings,
+    seed: u64,
+    passes: u64,
+) -> Image {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(passes),
         seed,
-        ..Settings::of(Integrator::Mmlt(own.clone()))
+        ..Settings::of(Integrator::Mmlt(method_settings.clone()))
     };
-    let plan = own.plan.clone();
-    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, own, || false));
-    let mut driver = Mmlt::new(scene, &settings, own, plan);
+    let plan = method_settings.plan.clone();
+    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, method_settings, || false));
+    let mut driver = Mmlt::new(scene, &settings, method_settings, plan);
     let pixels = pixel_count(scene);
     let mut clock = Clock::new(Instant::now(), settings.budget, pixels, &Unobserved);
     drive(&mut driver, &mut clock, TargetError::new(&settings, pixels));
     driver.estimate.image(|pixel| driver.chains.value(pixel))
 }
 
+/// The state of a render: independent samples and chains.
 struct Mmlt<'a> {
     scene: &'a Scene,
     plan: Plan,
@@ -150,7 +161,7 @@ impl TileBuffer for MmltTile {
 
 impl Driver for Mmlt<'_> {
     fn advance(&mut self, clock: &Clock) {
-        // Take independent samples: their clamped part counts at once.
+        // Take independent samples and add their clamped part to the film.
         let (scene, clamp, film) = (self.scene, &self.plan.clamp, &self.film);
         let tiles = self
             .passes
@@ -158,11 +169,11 @@ impl Driver for Mmlt<'_> {
                 sample(scene, clamp, film, sampler, workspace, tile);
                 tile.clamped.add_last(pixel);
             });
-        let clamped = tiles.iter().map(|(tile, own)| (tile, &own.clamped));
+        let clamped = tiles.iter().map(|(tile, buffer)| (tile, &buffer.clamped));
         self.estimate.add(clamped);
 
-        // Let chains redistribute the residual.
-        let residuals = tiles.iter().flat_map(|(_, own)| own.residuals.iter());
+        // Redistribute the residuals by chains.
+        let residuals = tiles.iter().flat_map(|(_, buffer)| buffer.residuals.iter());
         let residuals = residuals.copied().collect();
         let samples = tiles.iter().map(|(tile, _)| tile.samples()).sum();
         let non_finite = &mut self.estimate.non_finite;
@@ -205,7 +216,8 @@ impl Driver for Mmlt<'_> {
     }
 }
 
-/// Takes an independent sample: leaves its clamped splats in `tile.clamped.last`, and appends its residuals.
+/// Takes an independent sample: stores its clamped splats in `tile.clamped.last`, and appends its residuals
+/// to `tile.residuals`.
 #[inline]
 fn sample(
     scene: &Scene,
@@ -219,8 +231,8 @@ fn sample(
     clamped.last.clear();
     let start = *sampler;
     BidirectionalPathTracer.sample_paths(scene, sampler, workspace, |path| {
-        let [below, residual] = clamp.split(path.technique.edges(), path.splat());
-        clamped.last.add(path.technique, below);
+        let [splat, residual] = clamp.split(path.technique.edges(), path.splat());
+        clamped.last.add(path.technique, splat);
         let density = f64::from(clamp.luminance(residual));
         if density > 0.0 && is_light(residual.value) {
             residuals.push(Residual {
@@ -232,7 +244,7 @@ fn sample(
     });
 }
 
-/// A pixel of the image after `samples` independent samples.
+/// The value of a pixel after `samples` independent samples of the film.
 #[inline]
 fn value(
     estimate: &ImageEstimate,
@@ -245,13 +257,18 @@ fn value(
 }
 
 impl<'a> Mmlt<'a> {
-    fn new(scene: &'a Scene, settings: &Settings, own: &MmltSettings, plan: Plan) -> Self {
+    fn new(
+        scene: &'a Scene,
+        settings: &Settings,
+        method_settings: &MmltSettings,
+        plan: Plan,
+    ) -> Self {
         let film = &scene.film;
         Self {
             film: FilmSampler::new(film.width, film.height, film.filter),
             passes: PassLoop::new(scene, settings.seed),
             estimate: ImageEstimate::new(scene, settings),
-            chains: Redistribution::new(scene, settings.seed, own.small_step),
+            chains: Redistribution::new(scene, settings.seed, method_settings.small_step),
             scene,
             plan,
         }
@@ -283,7 +300,7 @@ impl<'a> Mmlt<'a> {
             image,
             error,
             statistics,
-            interrupted: clock.was_cut_short(samples),
+            interrupted: clock.was_cancelled(samples),
             warnings,
         }
     }
