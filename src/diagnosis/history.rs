@@ -97,15 +97,15 @@ pub fn run<S: ChainTarget>(
     weights: KelemenWeights,
     observer: &dyn Observer,
 ) -> Result<Vec<History>, DiagnoseError> {
-    let all = starts.starts.len();
-    let generators = seeds::chain_generators(seed, all);
+    let count = starts.starts.len();
+    let generators = seeds::chain_generators(seed, count);
     let begin = Instant::now();
-    let mut histories = Vec::with_capacity(all);
-    for (starts_of, generators) in starts.starts.chunks(BATCH).zip(generators.chunks(BATCH)) {
+    let mut histories = Vec::with_capacity(count);
+    for (batch, generators) in starts.starts.chunks(BATCH).zip(generators.chunks(BATCH)) {
         if observer.interrupted() {
             return Err(DiagnoseError::Interrupted);
         }
-        let done = histories.len() as f64 / all as f64;
+        let done = histories.len() as f64 / count as f64;
         let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         observer.progress(done, (done > 0.0).then_some(left));
         let history = |(start, generator): (&Start, &Xoshiro256PlusPlus)| {
@@ -118,7 +118,7 @@ pub fn run<S: ChainTarget>(
             );
             Recorder::new(chain, start.sample, weights).record(&mut target)
         };
-        histories.par_extend(starts_of.par_iter().zip(generators).map(history));
+        histories.par_extend(batch.par_iter().zip(generators).map(history));
     }
     Ok(histories)
 }

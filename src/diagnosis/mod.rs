@@ -114,7 +114,7 @@ pub enum DiagnoseError {
     Interrupted,
 }
 
-/// Indices of the parts of the random numbers ([`seeds::part`]). Each part is used once.
+/// Indices of the parts of the random numbers (`seeds::part`). Each part is used once.
 mod part {
     pub const BOOTSTRAP: u64 = 0;
     pub const REFERENCE: u64 = 1;

@@ -166,7 +166,7 @@ fn values(traces: &[&[Features]], value: impl Fn(&Features) -> f64) -> Vec<Vec<f
         .collect()
 }
 
-/// Mean over the chains for which it is finite.
+/// Mean autocorrelation at lags from 0 to `lags`, over the chains for which it is finite.
 fn mean_autocorrelation(chains: &[Vec<f64>], lags: usize) -> Vec<f64> {
     let all: Vec<Vec<f64>> = chains
         .iter()

@@ -65,7 +65,7 @@ fn visible_light<S: Sampler>(
         .filter(|direct| !direct.delta)?;
     let film = scene.camera.film_position(direct.direction, lens)?;
     let emission = &direct.emission;
-    // The importance of the lens per unit radiance is the density of its directions per steradian.
+    // The lens measures the integral of radiance times p_w, the density of its directions per steradian.
     let importance = scene.camera.direction_pdf(direct.direction);
     let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
     let (near, far) = scene

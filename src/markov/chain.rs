@@ -109,9 +109,13 @@ impl ChainCounters {
 
 /// A chain with its own stream of random numbers.
 pub struct Chain<T> {
+    /// Coordinates of the current state, and of the proposal while one is open.
     state: PrimarySample,
+    /// Density, contribution and weights of the current state.
     current: Sample<T>,
+    /// The same of the last proposal; after a step, of the sample whose weight is final.
     proposal: Sample<T>,
+    /// Number of rejections since the last acceptance.
     rejection_run: u64,
     /// Counters so far.
     pub counters: ChainCounters,

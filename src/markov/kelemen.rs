@@ -3,7 +3,7 @@
 use super::Sample;
 use crate::fault::{Fault, planted};
 
-/// The denominator I(u)/b_0 + p of Kelemen's weights (Kelemen et al. 2002, section 4).
+/// The constants of the denominator I(u)/b_0 + p of Kelemen's weights (Kelemen et al. 2002, section 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KelemenWeights {
     /// b_0: any positive constant, best near b.

@@ -2,7 +2,7 @@
 //!
 //! The state is a point u of [0,1)^inf, read lazily, and the target is a scalar I(u) >= 0 (Kelemen
 //! et al. 2002, "A simple and robust mutation strategy for the Metropolis light transport
-//! algorithm"; Hachisuka and Jensen's smallpssmlt follows the same paper).
+//! algorithm"; Hachisuka's smallpssmlt follows the same paper).
 
 pub mod bootstrap;
 pub mod chain;

@@ -22,7 +22,7 @@ const MIN_SKIPPED_STEPS: u64 = 16;
 #[derive(Clone, Copy, Debug)]
 struct Coordinate {
     value: f32,
-    /// The number of accepted steps up to which `value` is known.
+    /// Number of accepted steps up to which `value` is current.
     time: u64,
 }
 
@@ -36,6 +36,7 @@ struct Undo {
 /// Consecutive accepted steps of one kind.
 #[derive(Clone, Copy, Debug)]
 struct Run {
+    /// Index of the kind.
     kind: usize,
     /// Number of the last of these steps.
     end: u64,
@@ -44,15 +45,17 @@ struct Run {
 /// The state of a chain in primary sample space, and the proposal while one is open.
 #[derive(Clone, Debug)]
 pub struct PrimarySample {
+    /// Coordinates by stream, as far as they have been read.
     streams: [Vec<Coordinate>; Stream::COUNT],
+    /// Coordinates that the open proposal has changed.
     undo: Vec<Undo>,
     rng: Xoshiro256PlusPlus,
     mutations: Mutations,
     /// Number of accepted steps, plus 1 while a proposal is open.
     now: u64,
-    /// Kinds of the steps accepted since the last large step.
+    /// Runs of the steps accepted since the last large step.
     accepted: Vec<Run>,
-    /// The last accepted large step.
+    /// Number of the last accepted large step.
     last_large: u64,
     /// The kind of the open proposal.
     kind: usize,

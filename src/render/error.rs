@@ -19,7 +19,7 @@ pub struct ErrorEstimate {
     /// Expected [`crate::metrics::relative_mse`] of the image.
     pub relative_mse: f64,
     /// Number of independent parts of the samples whose spread was measured: passes over all pixels, or
-    /// groups of chains. The standard errors have one degree of freedom less.
+    /// groups of chains. The standard errors have `parts` - 1 degrees of freedom.
     pub parts: u64,
     /// Share of pixels whose variance comes almost entirely from one part. The paths that this part found
     /// are so rare that similar paths are probably still missing, and the true errors are larger.
@@ -101,6 +101,7 @@ impl TargetError {
 /// passes are independent, identically distributed images. The contribution of a pass to a pixel is the sum
 /// of its camera sample and of all splats there, so that their covariance is included.
 pub(super) struct PassVariance {
+    /// Number of passes.
     count: u64,
     pixels: Vec<PassSums>,
 }
@@ -109,7 +110,7 @@ pub(super) struct PassVariance {
 #[derive(Clone, Copy, Default)]
 struct PassSums {
     sum: [f64; 3],
-    /// Squared deviations from the mean.
+    /// Sum of squared deviations from the mean.
     squares: [f64; 3],
     /// The greatest contribution of a pass, summed over channels.
     greatest: f64,

@@ -88,8 +88,8 @@ pub struct Rendering {
     pub warnings: Vec<Warning>,
 }
 
-/// Renders `scene`. Every bit of the image depends only on the scene and the settings, for any number of
-/// threads, unless the budget is a time or the observer cancels.
+/// Renders `scene`. The same scene and settings give a bit-identical image, for any number of threads,
+/// unless the budget is a time or the observer cancels.
 ///
 /// # Errors
 /// If the threads cannot be started.

@@ -39,12 +39,15 @@ pub(super) trait TileBuffer: Default + Send + Sync {
     fn clear(&mut self);
 }
 
-/// The state of the loop. The samples depend on scene and seed alone.
+/// The state of the loop. The samples depend only on the scene and the seed.
 pub(super) struct PassLoop<B> {
     samples: PixelSamples,
     tiles_per_pass: u64,
+    /// Index of the next tile, counted from the first pass on.
     next_tile: u64,
+    /// Memory for the tiles of a block.
     buffers: Vec<(Workspace, B)>,
+    /// Samples taken.
     done: u64,
 }
 

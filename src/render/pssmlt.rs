@@ -172,6 +172,7 @@ struct Pssmlt<'a, P> {
     /// Bootstrap samples at which the chains started.
     starts: Vec<usize>,
     chains: Vec<Chain<SplatList>>,
+    /// First chain of the next block.
     next_chain: usize,
     /// Splats with chain weights.
     chain_film: SplatFilm,
@@ -180,6 +181,7 @@ struct Pssmlt<'a, P> {
     /// Present if the error is requested.
     groups: Option<Groups>,
     workers: Vec<Worker<'a, P>>,
+    /// Mutations made by all chains.
     done: u64,
 }
 

@@ -39,7 +39,7 @@ pub struct Strategies {
     pub statistics: Statistics,
     /// The observer cancelled before all samples were taken.
     pub interrupted: bool,
-    /// What limits the images.
+    /// Reasons to distrust the images, or to render for longer.
     pub warnings: Vec<Warning>,
 }
 

@@ -30,7 +30,7 @@ fn budget(seed: u64, chains: usize, bootstrap: u32) -> DiagnosisBudget {
     }
 }
 
-/// Chains with the usual probability of large steps.
+/// Chains with the default probability of large steps.
 fn chains_of(target: Analytic) -> AnalyticChains {
     AnalyticChains {
         target,

@@ -1,7 +1,7 @@
 //! Clamping: the light of every path is divided between independent samples and Markov chains.
 //!
 //! Let F be the weighted contribution of one technique at one point of the hypercube, and l = lum(F) / m
-//! its luminance in units of the importance map m where it lands. With a threshold tau
+//! its luminance in units of the importance map m at its film position. With a threshold tau
 //!
 //!   F = F min(1, tau/l) + F max(0, 1 - tau/l).                                               (1)
 //!
@@ -22,7 +22,8 @@
 //!
 //!   sqrt(V(tau) c_p) + sqrt(eta c_m) E(tau).                                                 (3)
 //!
-//! The chosen tau minimises (3). An infinite tau is bidirectional path tracing.
+//! The chosen tau is the greatest for which (3) is close to its minimum (`SCORE_TOLERANCE`). An infinite
+//! tau is bidirectional path tracing.
 
 use super::MmltSettings;
 use super::importance::ImportanceMap;
@@ -57,8 +58,8 @@ pub struct Clamp {
     unclamped_edges: usize,
     /// e of (2).
     pub energy: f64,
-    /// The square root of (2) without chains, over that with them. Its square is the expected ratio of
-    /// errors at equal time.
+    /// (3) without chains (infinite tau) over (3) with them. Its square is the expected ratio of errors at
+    /// equal time.
     pub gain: f64,
 }
 
@@ -136,8 +137,9 @@ impl Clamp {
 struct Moments {
     /// l of the paths that may be clamped.
     clampable: Vec<f64>,
-    /// Second moment of all others.
+    /// Second moment of all other paths.
     rest: f64,
+    /// Number of samples of the pilot.
     samples: f64,
     /// c_p.
     rays: f64,

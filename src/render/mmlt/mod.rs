@@ -1,7 +1,7 @@
 //! Multiplexed Metropolis light transport for the paths that are too bright for independent samples.
 //!
 //! Bidirectional path tracing with independent samples, whose contributions are clamped ([`clamp`]), plus
-//! multiplexed Markov chains for the residual ([`redistribution`]). The sum of both is unbiased.
+//! multiplexed Markov chains for the residual (`redistribution`). The sum of both is unbiased.
 
 pub mod clamp;
 pub mod importance;

@@ -95,6 +95,7 @@ pub(super) struct Redistribution<'a> {
     current_samples: u64,
     /// Blocks redistributed.
     blocks: u64,
+    /// Memory for the splats of the chains of a block.
     logs: Vec<SplatLog>,
     /// Rays of the chains.
     pub rays: RayCounts,
