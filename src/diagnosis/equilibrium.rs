@@ -77,7 +77,7 @@ pub(super) fn equilibrium<S: ChainTarget>(
     let (normalisation, more) =
         normalisation::normalisation(&bootstrap, &histories, &independent, weights);
     checks.extend(more);
-    checks.extend(chain_target.own_checks(seed(part::OWN)));
+    checks.extend(chain_target.own_checks(seed(part::SPECIFIC)));
     check::correct(&mut checks);
     Ok(Equilibrium {
         checks,

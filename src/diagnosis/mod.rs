@@ -125,7 +125,7 @@ mod part {
     pub const START_UP: u64 = 6;
     pub const QUALITY: u64 = 7;
     pub const TESTS: u64 = 8;
-    pub const OWN: u64 = 9;
+    pub const SPECIFIC: u64 = 9;
 }
 
 /// Diagnoses the chains of `chain_target`.

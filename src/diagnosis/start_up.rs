@@ -39,8 +39,8 @@ pub fn start_up_bias<S: ChainTarget>(
     reference: &[Features],
     seed: u64,
 ) -> Vec<StartUpBias> {
-    let truth: Moments = reference.iter().map(|f| f.log_density).collect();
-    let deviation = truth.variance().sqrt();
+    let equilibrium: Moments = reference.iter().map(|f| f.log_density).collect();
+    let deviation = equilibrium.variance().sqrt();
     let bias = |(part, &size): (u64, &u64)| {
         let seed = seeds::part(seed, part);
         let chains: Vec<[f64; STEPS.len()]> = (0..REPEATS)
@@ -49,10 +49,10 @@ pub fn start_up_bias<S: ChainTarget>(
             .collect();
         let after = STEPS.into_iter().enumerate().map(|(i, steps)| {
             let values: Moments = chains.iter().map(|chain| chain[i]).collect();
-            let error = values.standard_error().hypot(truth.standard_error());
+            let error = values.standard_error().hypot(equilibrium.standard_error());
             (
                 steps,
-                (values.mean - truth.mean) / deviation,
+                (values.mean - equilibrium.mean) / deviation,
                 error / deviation,
             )
         });

@@ -52,7 +52,7 @@ pub enum StrategiesError {
     /// Each technique has two images.
     #[error(
         "{techniques} techniques at {pixels} pixels would take {needed} GB of memory, more than {most}: \
-         use a smaller image or shorter paths"
+         a smaller image or shorter paths are needed"
     )]
     TooMuchMemory {
         /// Number of techniques.
