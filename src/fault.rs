@@ -1,10 +1,10 @@
-//! Faults that can be planted in the code that renders, to show that tests find them. Only unit tests can
-//! plant one; elsewhere [`planted`] is false at compile time and costs nothing.
+//! Faults that unit tests plant in the rendering code, to show that other tests detect them. Outside of
+//! unit tests [`planted`] is false at compile time and has no cost.
 
 /// The faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// Small steps are clamped to the unit interval and not wrapped around it.
+    /// Small steps are clamped to the unit interval instead of wrapped around it.
     Clamped,
     /// Small steps go up more often than down.
     Asymmetric,
@@ -16,9 +16,9 @@ pub(crate) enum Fault {
     InvertedRatio,
     /// The acceptance probability in the weights may exceed 1.
     UnclippedWeights,
-    /// A proposal is accepted after so many rejections, whatever it is.
+    /// After 8 rejections in a row, any proposal of positive density is accepted.
     ForcedAcceptance,
-    /// The probability of a large step in the weights is not that of the chain.
+    /// The weights use 0.8 times the probability of a large step.
     OtherLargeStepProbability,
     /// The number of techniques is left out of a multiplexed density.
     TechniqueCountLeftOut,
@@ -32,7 +32,7 @@ pub(crate) enum Fault {
     ResampledUniformly,
     /// Long paths get more mutations than their share b_k, short ones fewer.
     LengthShares,
-    /// The weight of the chains that redistribute residuals is twice too large.
+    /// The weight of the chains that redistribute residuals is too large by a factor of 2.
     ChainWeightOff,
     /// Two neighbouring chains share their random numbers.
     SharedNumbers,
@@ -40,7 +40,7 @@ pub(crate) enum Fault {
     NormalisationOff,
     /// The factor of shading normals (Veach 1997, section 5.3.2) is left out of light subpaths.
     AdjointLeftOut,
-    /// The MIS weight of joined subpaths is 20% too large.
+    /// The MIS weight of connected subpaths is 20% too large.
     WeightOff,
 }
 
@@ -63,7 +63,7 @@ pub(crate) const fn planted(_fault: Fault) -> bool {
     false
 }
 
-/// Runs `work` in threads of its own in which `fault` is planted.
+/// Runs `work` in a new thread in which `fault` is planted.
 #[cfg(test)]
 pub(crate) fn with<T: Send>(fault: Option<Fault>, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new()

@@ -1,35 +1,35 @@
-//! A test, and what came of it.
+//! A hypothesis test and its result.
 
 use serde::Serialize;
 
 use crate::statistics::holm;
 
-/// What a test is about.
+/// The property that a test checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
-    /// The target distribution stays as it is.
+    /// Steps leave the target distribution invariant.
     Invariance,
-    /// Steps go to and fro equally often.
+    /// Steps in both directions between two regions are equally frequent.
     Reversibility,
-    /// The start is nothing special among the states around it.
+    /// The rank of the start among the states before and after it is uniform.
     Ranks,
-    /// Chains have nothing to do with each other.
+    /// Chains are independent of each other.
     Independence,
-    /// b, and the weights of the samples.
+    /// b and the weights of the samples are correct.
     Normalisation,
 }
 
 /// A hypothesis test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What it is about.
+    /// The property that it checks.
     pub family: Family,
-    /// Which test, of what, when.
+    /// The test, the observed quantity, and the number of steps.
     pub name: String,
-    /// Probability of data at least as odd if nothing is wrong.
+    /// Probability of data at least as extreme under the null hypothesis.
     pub p_value: f64,
-    /// The same, corrected for the number of tests.
+    /// The p-value, corrected for the number of tests.
     pub adjusted: f64,
 }
 

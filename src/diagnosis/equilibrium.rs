@@ -10,12 +10,12 @@ use crate::markov::{Bootstrap, KelemenWeights};
 use crate::render::Observer;
 use crate::sampling::seeds::{self, Purpose};
 
-/// Chains that started in equilibrium, and the tests.
+/// Chains that started in equilibrium, and the results of the tests.
 pub(super) struct Equilibrium {
     pub checks: Vec<Check>,
     pub bootstrap: Bootstrap,
     /// States drawn exactly from the target, for comparison.
-    pub fresh: Vec<Features>,
+    pub reference: Vec<Features>,
     pub starts: Starts,
     pub histories: Vec<History>,
     pub normalisation: Normalisation,
@@ -48,10 +48,14 @@ pub(super) fn equilibrium<S: ChainTarget>(
     let c = starts::spacing(&bootstrap);
     let limits = (budget.chains, budget.samples);
     let draw = |part| Starts::draw(chain_target, seed(part), c, limits, observer);
-    let fresh = draw(part::FRESH);
+    let reference = draw(part::REFERENCE);
     begin(observer, "more starts")?;
     let starts = draw(part::STARTS);
-    let fresh: Vec<Features> = fresh.starts.iter().map(|start| start.features).collect();
+    let reference: Vec<Features> = reference
+        .starts
+        .iter()
+        .map(|start| start.features)
+        .collect();
 
     begin(observer, "chains")?;
     let weights = KelemenWeights {
@@ -63,20 +67,22 @@ pub(super) fn equilibrium<S: ChainTarget>(
     let mut checks = reversibility::ranks(chain_target, &starts, seed(part::RANKS));
     begin(observer, "tests")?;
     let mut rng = seeds::generator(seed(part::TESTS), Purpose::Tests, 0);
-    checks.extend(invariance::invariance(&fresh, &histories, budget, &mut rng));
-    checks.extend(reversibility::symmetry(&fresh, &histories, &mutations));
+    checks.extend(invariance::invariance(
+        &reference, &histories, budget, &mut rng,
+    ));
+    checks.extend(reversibility::symmetry(&reference, &histories, &mutations));
     checks.extend(invariance::independence(&histories));
     begin(observer, "independent samples")?;
     let independent = chain_target.independent(seed(part::INDEPENDENT));
     let (normalisation, more) =
         normalisation::normalisation(&bootstrap, &histories, &independent, weights);
     checks.extend(more);
-    checks.extend(chain_target.own_checks(seed(part::OWN)));
+    checks.extend(chain_target.own_checks(seed(part::SPECIFIC)));
     check::correct(&mut checks);
     Ok(Equilibrium {
         checks,
         bootstrap,
-        fresh,
+        reference,
         starts,
         histories,
         normalisation,

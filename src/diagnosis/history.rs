@@ -1,4 +1,4 @@
-//! Chains that start in equilibrium, and their states and steps.
+//! Chains that start in equilibrium, and the recorded states and steps of each.
 
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ pub struct Transition {
 /// The history of one chain.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// The uniform sample at which it started: chains with one sample are one cluster.
+    /// Index of the uniform sample at which it started. Chains with the same sample are one cluster.
     pub sample: u64,
     /// The start.
     pub start: Features,
@@ -40,7 +40,7 @@ pub struct History {
     /// Estimates of integrals: the chain part, still to be multiplied by b/b_0, and the large-step
     /// part (see [`crate::markov::chain`]).
     pub integrals: [Integrals; 2],
-    /// Counts of steps.
+    /// Counters of the chain.
     pub counters: ChainCounters,
     /// Perturbations (all mutations but large steps) proposed and accepted, by the tile of the state before.
     pub perturbations: Vec<[u32; 2]>,
@@ -49,11 +49,11 @@ pub struct History {
 /// Integrals over the hypercube, or estimates of them.
 #[derive(Clone, Debug)]
 pub struct Integrals {
-    /// Of the light in each tile.
+    /// Integral of the light in each tile.
     pub light: Vec<f64>,
-    /// Of its square.
+    /// Integral of the square of the light in each tile.
     pub squares: Vec<f64>,
-    /// Of I squared.
+    /// Integral of I squared.
     pub square: f64,
 }
 
@@ -83,13 +83,13 @@ impl Integrals {
     }
 }
 
-/// Chains that run between two reports to the observer.
+/// Number of chains between two reports to the observer.
 const BATCH: usize = 256;
 
 /// Runs a chain from every start up to the last checkpoint.
 ///
 /// # Errors
-/// If the observer stops it.
+/// If the observer cancels.
 pub fn run<S: ChainTarget>(
     chain_target: &S,
     starts: &Starts,
@@ -97,15 +97,15 @@ pub fn run<S: ChainTarget>(
     weights: KelemenWeights,
     observer: &dyn Observer,
 ) -> Result<Vec<History>, DiagnoseError> {
-    let all = starts.starts.len();
-    let generators = seeds::chain_generators(seed, all);
+    let count = starts.starts.len();
+    let generators = seeds::chain_generators(seed, count);
     let begin = Instant::now();
-    let mut histories = Vec::with_capacity(all);
-    for (starts_of, generators) in starts.starts.chunks(BATCH).zip(generators.chunks(BATCH)) {
+    let mut histories = Vec::with_capacity(count);
+    for (batch, generators) in starts.starts.chunks(BATCH).zip(generators.chunks(BATCH)) {
         if observer.interrupted() {
             return Err(DiagnoseError::Interrupted);
         }
-        let done = histories.len() as f64 / all as f64;
+        let done = histories.len() as f64 / count as f64;
         let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
         observer.progress(done, (done > 0.0).then_some(left));
         let history = |(start, generator): (&Start, &Xoshiro256PlusPlus)| {
@@ -118,7 +118,7 @@ pub fn run<S: ChainTarget>(
             );
             Recorder::new(chain, start.sample, weights).record(&mut target)
         };
-        histories.par_extend(starts_of.par_iter().zip(generators).map(history));
+        histories.par_extend(batch.par_iter().zip(generators).map(history));
     }
     Ok(histories)
 }
@@ -133,7 +133,7 @@ struct Recorder {
 impl Recorder {
     fn new(chain: Chain<Observation>, sample: u64, weights: KelemenWeights) -> Self {
         let start = Features::of(chain.current());
-        let still = Transition {
+        let initial = Transition {
             before: start,
             after: start,
             kind: 0,
@@ -142,7 +142,7 @@ impl Recorder {
             sample,
             start,
             states: [start; CHECKPOINTS.len()],
-            transitions: [still; 2],
+            transitions: [initial; 2],
             integrals: [Integrals::zero(), Integrals::zero()],
             counters: ChainCounters::default(),
             perturbations: vec![[0; 2]; TILES * TILES],
@@ -183,9 +183,9 @@ impl Recorder {
                 *acceptances += u32::from(accepted);
             }
         }
-        let gathered = self.chain.take_weights();
+        let weights = self.chain.take_weights();
         let mut current = self.chain.current().clone();
-        current.weights = gathered;
+        current.weights = weights;
         add(&mut self.history.integrals, &self.weights, &current);
         let scale = 1.0 / last as f64;
         self.history

@@ -14,10 +14,11 @@ use crate::statistics::{
 /// Points of each sample that the maximum mean discrepancy compares.
 const MMD_POINTS: usize = 256;
 
-/// Compares `fresh` states, drawn exactly from the target, with those of `histories` at each checkpoint,
-/// one state per chain; and those of the same chains before and after.
+/// Compares `reference` states, drawn exactly from the target, with the states of `histories` at each
+/// checkpoint, one per chain. Also compares the states at each checkpoint with the starts of the same
+/// chains.
 pub fn invariance(
-    fresh: &[Features],
+    reference: &[Features],
     histories: &[History],
     budget: &DiagnosisBudget,
     rng: &mut Xoshiro256PlusPlus,
@@ -32,14 +33,14 @@ pub fn invariance(
         };
         check(
             "chi-square of tile x technique",
-            chi_square_two_sample(&cells(fresh), &cells(&states)),
+            chi_square_two_sample(&cells(reference), &cells(&states)),
         );
         check(
             "Stuart-Maxwell of tile x technique",
             stuart_maxwell(&changes(histories, checkpoint)).p_value,
         );
         let compare = |value: &dyn Fn(&Features) -> f64| {
-            [fresh, &states].map(|sample| sample.iter().map(value).collect::<Vec<f64>>())
+            [reference, &states].map(|sample| sample.iter().map(value).collect::<Vec<f64>>())
         };
         let [a, b] = compare(&|f| f.log_density);
         check("Kolmogorov-Smirnov of log I", kolmogorov_smirnov(&a, &b));
@@ -51,14 +52,14 @@ pub fn invariance(
             let p = kolmogorov_smirnov_randomized(&a, &b, rng);
             check(&format!("Kolmogorov-Smirnov of {name}"), p);
         }
-        let [a, b] = points(fresh, &states);
+        let [a, b] = points(reference, &states);
         let p = mmd_permutation(&a, &b, permutations, rng);
         check("maximum mean discrepancy", p);
     }
     checks
 }
 
-/// Null hypothesis: neighbouring chains are independent. Chains from one start are left out.
+/// Null hypothesis: neighbouring chains are independent. Chains with the same start are excluded.
 pub fn independence(histories: &[History]) -> Vec<Check> {
     let last = CHECKPOINTS.len() - 1;
     let neighbours: Vec<[&Features; 2]> = histories
@@ -88,7 +89,7 @@ fn cells(states: &[Features]) -> Vec<u64> {
     counts
 }
 
-/// Per cluster, the cells that its chains have left and entered.
+/// Per cluster, the cells that its chains have left (-1) and entered (1).
 fn changes(histories: &[History], checkpoint: usize) -> Vec<Vec<(usize, f64)>> {
     let clusters = histories.chunk_by(|a, b| a.sample == b.sample);
     let change = |h: &History| [(h.start.cell(), -1.0), (h.states[checkpoint].cell(), 1.0)];
@@ -97,14 +98,15 @@ fn changes(histories: &[History], checkpoint: usize) -> Vec<Vec<(usize, f64)>> {
         .collect()
 }
 
-/// Film position, log I and length, on scales of about 1 by the spread of the fresh states.
-fn points(fresh: &[Features], states: &[Features]) -> [Vec<[f64; 4]>; 2] {
+/// Film position, log I and length, scaled to a spread of about 1. Log I and length are divided by their
+/// standard deviations over the reference states.
+fn points(reference: &[Features], states: &[Features]) -> [Vec<[f64; 4]>; 2] {
     let scale = |value: &dyn Fn(&Features) -> f64| {
-        let moments: crate::statistics::Moments = fresh.iter().map(value).collect();
+        let moments: crate::statistics::Moments = reference.iter().map(value).collect();
         moments.variance().sqrt().max(1e-9)
     };
     let [density, length] = [scale(&|f| f.log_density), scale(&|f| f.length)];
-    [fresh, states].map(|sample| {
+    [reference, states].map(|sample| {
         let stride = sample.len().div_ceil(MMD_POINTS).max(1);
         let point = |f: &Features| {
             let [x, y] = [f.coordinates[0], f.coordinates[1]].map(|u| 4.0 * u);

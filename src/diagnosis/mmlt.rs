@@ -1,13 +1,13 @@
-//! The chains of multiplexed Metropolis in a scene, and how they are started.
+//! The chains of multiplexed Metropolis in a scene, and their starts.
 //!
 //! A chain of `mmlt` stays at one path length. To test the chains of all lengths together, the length is
-//! one more coordinate of the state, which no mutation changes: the length k is chosen with a probability
-//! q_k in proportion to what a pilot estimates for b_k, and the density is I_k / q_k.
+//! one more coordinate of the state, which no mutation changes. Length k is chosen with a probability q_k
+//! proportional to an estimate of b_k from independent samples, and the density is I_k / q_k.
 //!
-//! Three tests are made of what only this method has. The clamped part and the residual of every path must
-//! sum to the path. The chains that redistribute the residuals of independent samples, as in a render, must
-//! estimate the same light as these residuals do. And the independent estimate of the
-//! other tests is the residual found by bidirectional path tracing, not by single techniques.
+//! Three tests are specific to this method. The clamped part and the residual of every path must sum to the
+//! path. The chains that redistribute the residuals of independent samples, as in a render, must estimate
+//! the same light as these residuals. And the independent estimate that all other tests use is the residual
+//! found by bidirectional path tracing, not by single techniques.
 
 use rayon::prelude::*;
 
@@ -32,12 +32,12 @@ use crate::statistics::{Moments, holm, welch};
 const LENGTH: Dimension = Dimension::new(Stream::Technique, 1);
 
 /// Independent samples of one task.
-const RUN: u64 = 1 << 12;
+const TASK: u64 = 1 << 12;
 
-/// Largest relative error of the sum of clamped part and residual: a few roundings.
+/// Maximum relative error of the sum of clamped part and residual: a few rounding errors.
 const ROUNDING: f32 = 1e-5;
 
-/// Quadrants of the image.
+/// Number of quadrants of the image.
 const QUADRANTS: usize = 4;
 
 /// The quadrant of a tile.
@@ -46,14 +46,14 @@ fn quadrant(tile: usize) -> usize {
     2 * half(tile / TILES) + half(tile % TILES)
 }
 
-/// Numbers of samples that the tests of `mmlt` alone take.
+/// Numbers of samples of the tests that are specific to `mmlt`.
 #[derive(Clone, Copy, Debug)]
 pub struct MmltSamples {
-    /// Samples of the pilot that estimates b_k, and of the independent estimate.
+    /// Independent samples for the estimates of b_k, and as many for the independent estimate.
     pub independent: u64,
-    /// Independent renders of the residual.
+    /// Number of independent renders of the residual.
     pub renders: u64,
-    /// Passes of each.
+    /// Passes of each render.
     pub passes: u64,
 }
 
@@ -70,10 +70,10 @@ impl Default for MmltSamples {
 /// The chains of `mmlt`.
 pub struct MmltChains<'a> {
     scene: &'a Scene,
-    own: MmltSettings,
+    settings: MmltSettings,
     plan: Plan,
     samples: MmltSamples,
-    /// All lengths with a residual.
+    /// All path lengths with a residual.
     lengths: Vec<Length>,
 }
 
@@ -84,31 +84,31 @@ struct Length {
     edges: usize,
     /// q_k.
     probability: f64,
-    /// Upper end of its part of the unit interval.
+    /// Upper end of its interval within [0, 1]: the sum of q_j for j <= k.
     end: f64,
 }
 
 impl<'a> MmltChains<'a> {
-    /// Of `scene`, which gets a small film with a box filter.
+    /// The chains of a render of `scene`, whose film is replaced by a small one with a box filter.
     ///
     /// # Errors
     /// If no path is bright enough for chains.
     pub fn new(
         scene: &'a mut Scene,
-        own: MmltSettings,
+        settings: MmltSettings,
         seed: u64,
         samples: MmltSamples,
     ) -> Result<Self, DiagnoseError> {
         set_film(scene);
-        let plan = Plan::new(scene, seed, &own, || false);
+        let plan = Plan::new(scene, seed, &settings, || false);
         // Whole tasks, and two at least, whose spread is the error.
         let samples = MmltSamples {
-            independent: samples.independent.next_multiple_of(RUN).max(2 * RUN),
+            independent: samples.independent.next_multiple_of(TASK).max(2 * TASK),
             ..samples
         };
         let mut chains = Self {
             scene,
-            own,
+            settings,
             plan,
             samples,
             lengths: Vec::new(),
@@ -120,7 +120,7 @@ impl<'a> MmltChains<'a> {
         Ok(chains)
     }
 
-    /// Estimates b_k.
+    /// Estimates b_k, and from it q_k.
     fn lengths(&self, seed: u64) -> Vec<Length> {
         let by_length = self.residuals(seed, |energies: &mut Vec<f64>, edges, _, density| {
             if energies.len() <= edges {
@@ -148,18 +148,18 @@ impl<'a> MmltChains<'a> {
         lengths
     }
 
-    /// Hands the residual of every path of the independent samples to `add`, with the number of edges and
-    /// its density: one sum for each task. Lengths without chains are left out, once they are known.
+    /// Calls `add` with the residual of every path of the independent samples, its number of edges and its
+    /// density. Returns one sum for each task. Lengths without chains are left out, once they are known.
     fn residuals<T: Default + Send>(
         &self,
         seed: u64,
         add: impl Fn(&mut T, usize, Splat, f64) + Sync,
     ) -> Vec<T> {
         let clamp = &self.plan.clamp;
-        let run = |run: u64| {
+        let task = |task: u64| {
             let mut sum = T::default();
             let mut workspace = Workspace::default();
-            for i in run * RUN..(run + 1) * RUN {
+            for i in task * TASK..(task + 1) * TASK {
                 let mut sampler = bootstrap::sample(seed, i);
                 let workspace = &mut workspace;
                 BidirectionalPathTracer.sample_paths(self.scene, &mut sampler, workspace, |path| {
@@ -175,15 +175,15 @@ impl<'a> MmltChains<'a> {
             }
             sum
         };
-        let runs = self.samples.independent / RUN;
-        (0..runs).into_par_iter().map(run).collect()
+        let tasks = self.samples.independent / TASK;
+        (0..tasks).into_par_iter().map(task).collect()
     }
 
     /// The clamped part and the residual of every path sum to the path.
     fn sum_of_parts(&self, seed: u64) -> Check {
         let mut worst = 0.0f32;
         let mut workspace = Workspace::default();
-        for i in 0..RUN {
+        for i in 0..TASK {
             let mut sampler = bootstrap::sample(seed, i);
             BidirectionalPathTracer.sample_paths(
                 self.scene,
@@ -200,24 +200,25 @@ impl<'a> MmltChains<'a> {
                 },
             );
         }
-        // Without a random error: the hypothesis is true or false.
+        // There is no random error, so the p-value is 1 or 0.
         let p_value = if worst <= ROUNDING { 1.0 } else { 0.0 };
         let name = "clamped part and residual sum to the path";
         Check::new(Family::Normalisation, name, p_value)
     }
 
-    /// Null hypothesis: the chains of a render estimate the residual. Welch's test compares the quadrants of
-    /// independent renders' chains with those of independent samples, where both rest on enough samples.
-    /// Quadrants, because a render has few chains: their light in small tiles is far from normal.
+    /// Null hypothesis: the chains of a render estimate the residual. Welch's test compares quadrants of the
+    /// image between the chains of independent renders and independent samples, if both have enough samples.
+    /// Quadrants are used because a render has few chains, whose light in small tiles is far from normally
+    /// distributed. The p-value is the smallest of the quadrants, corrected by Holm's method.
     fn redistribution(&self, seed: u64) -> Option<Check> {
         let passes = self.samples.passes;
-        let own = MmltSettings {
+        let settings = MmltSettings {
             plan: Some(self.plan.clone()),
-            ..self.own.clone()
+            ..self.settings.clone()
         };
         let render = |i: u64| {
             let seed = crate::sampling::seeds::part(seed, i);
-            let image = mmlt::residual_image(self.scene, &own, seed, passes);
+            let image = mmlt::residual_image(self.scene, &settings, seed, passes);
             let mut quadrants = [0.0; QUADRANTS];
             for (tile, light) in light_of_tiles(&image.pixels).into_iter().enumerate() {
                 quadrants[quadrant(tile)] += light;
@@ -225,7 +226,7 @@ impl<'a> MmltChains<'a> {
             quadrants
         };
         let chains: Vec<[f64; QUADRANTS]> = (0..self.samples.renders).map(render).collect();
-        // Batches of independent samples with the sum of squares of single ones.
+        // Per task, sums of the light of independent paths and of its square, by quadrant.
         type Sums = [[f64; QUADRANTS]; 2];
         let batches: Vec<Sums> = self.residuals(seed, |[sums, squares]: &mut Sums, _, splat, _| {
             let i = quadrant(tile(splat.position));
@@ -236,7 +237,8 @@ impl<'a> MmltChains<'a> {
         let p_value = |i: usize| {
             let sum: f64 = batches.iter().map(|[sums, _]| sums[i]).sum();
             let square: f64 = batches.iter().map(|[_, squares]| squares[i]).sum();
-            // Chains start at as many samples again, relative to the number of these.
+            // The starts of the chains come from this number of samples. Scale the effective number of
+            // independent samples to it if it is smaller.
             let pixels = f64::from(super::paths::PIXELS).powi(2);
             let started = self.samples.renders as f64 * passes as f64 * pixels;
             let share = (started / self.samples.independent as f64).min(1.0);
@@ -246,7 +248,7 @@ impl<'a> MmltChains<'a> {
             let is_testable = share * sum * sum > MIN_EFFECTIVE * square
                 && 2.0 * all * all > chains.len() as f64 * squares;
             is_testable.then(|| {
-                let means = batches.iter().map(|[sums, _]| sums[i] / RUN as f64);
+                let means = batches.iter().map(|[sums, _]| sums[i] / TASK as f64);
                 let independent: Moments = means.collect();
                 let chains: Moments = chains.iter().map(|quadrants| quadrants[i]).collect();
                 welch(&independent, &chains)
@@ -278,7 +280,7 @@ impl ChainTarget for MmltChains<'_> {
     fn mutations(&self) -> Mutations {
         let stay = Perturbation::Redraw { probability: 0.0 };
         let indices = LENGTH.index..LENGTH.index + 1;
-        let small_step = SmallStep::from(self.own.small_step);
+        let small_step = SmallStep::from(self.settings.small_step);
         mmlt::mutations(small_step.with(LENGTH.stream, indices, stay))
     }
 
@@ -305,7 +307,7 @@ impl ChainTarget for MmltChains<'_> {
     }
 }
 
-/// The residuals of all lengths as one target, observed.
+/// The residuals of all path lengths as one target, with the observed quantities.
 pub struct ObservedResidual<'a> {
     lengths: &'a [Length],
     targets: Vec<MultiplexedTarget<'a>>,
@@ -333,7 +335,8 @@ impl Target for ObservedResidual<'_> {
         brightest.observe(&observed, out);
         if let Some(splat) = self.splats.iter().next() {
             out.add(tile(splat.position), density);
-            // Paths of technique t = 1 have no film position of their own: the place where they land.
+            // Paths of technique t = 1 do not read the film coordinates: observe the film position of the
+            // splat instead.
             let [x, y] = splat.position.map(f64::from);
             out.features.coordinates[..2].copy_from_slice(&[x, y]);
         }

@@ -1,9 +1,9 @@
-//! Are chains in equilibrium, and how well do they mix?
+//! Diagnosis of Markov chains: tests of whether they are in equilibrium, and measures of how well they mix.
 //!
-//! The tests see a target on the hypercube and some observed quantities of each state ([`ChainTarget`]), so that the same code judges the chains of a scene and those of targets whose
-//! distribution is known. Each test of a chain takes one state per chain, and chains start exactly in
-//! the target distribution ([`starts`]): under the null hypothesis the states are then independent,
-//! however slowly a chain moves.
+//! The tests use only a target on the hypercube and some observed quantities of each state
+//! ([`ChainTarget`]), so the same code tests the chains of a scene and those of targets whose distribution
+//! is known. Each test uses one state per chain, and chains start exactly in the target distribution
+//! ([`starts`]). Under the null hypothesis the states are then independent, however slowly the chains mix.
 //!
 //! ```
 //! use metrolight::diagnosis::{DiagnosisBudget, PssmltChains, diagnose};
@@ -60,19 +60,20 @@ pub use starts::Starts;
 pub struct DiagnosisBudget {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Chains that start in equilibrium, if so many independent starts can be found.
+    /// Number of chains that start in equilibrium; fewer if too few starts are found.
     pub chains: usize,
-    /// Uniform samples to look for starts in; twice, for the chains and for states to compare with.
+    /// Maximum number of uniform samples that are searched for starts of the chains, and again for
+    /// reference states.
     pub samples: u64,
     /// Steps of each of the long chains.
     pub steps: u64,
     /// Names of the observed coordinates.
     pub coordinates: [&'static str; COORDINATES],
-    /// Bounds on the bootstrap that b is known from and long chains start from.
+    /// Bounds on the bootstrap, which estimates b and gives the starts of the long chains.
     #[serde(skip)]
     pub bootstrap: BootstrapLimits,
-    /// Most permutations of the maximum mean discrepancy: p-values down to one over their number can
-    /// be told.
+    /// Maximum number of permutations for the maximum mean discrepancy. The smallest possible p-value is
+    /// about one over this number.
     pub permutations: u32,
 }
 
@@ -94,16 +95,16 @@ impl Default for DiagnosisBudget {
     }
 }
 
-/// What was found.
+/// The result of a diagnosis.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
     /// All tests, their p-values corrected together.
     pub checks: Vec<Check>,
     /// Chains that started in equilibrium.
     pub chains: usize,
-    /// Independent starts among them.
+    /// Number of independent starts of these chains.
     pub clusters: usize,
-    /// Uniform samples among which they were found.
+    /// Uniform samples among which the starts were found.
     pub samples: u64,
     /// Estimates of b.
     pub normalisation: Normalisation,
@@ -116,21 +117,21 @@ pub struct Diagnosis {
 /// Why chains cannot be diagnosed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DiagnoseError {
-    /// Nothing to start a chain from.
+    /// No chain can start.
     #[error("none of {0} samples found light: there is no chain to diagnose")]
     NoLight(u64),
-    /// Independent samples carry all light.
+    /// No path has a residual.
     #[error("no path of {0} samples is bright enough for chains: there is no chain to diagnose")]
     NoResidual(u64),
-    /// The observer cancelled it.
+    /// The observer cancelled the diagnosis.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// Parts of the random numbers; none is used twice.
+/// Indices of the parts of the random numbers (`seeds::part`). Each part is used once.
 mod part {
     pub const BOOTSTRAP: u64 = 0;
-    pub const FRESH: u64 = 1;
+    pub const REFERENCE: u64 = 1;
     pub const STARTS: u64 = 2;
     pub const CHAINS: u64 = 3;
     pub const RANKS: u64 = 4;
@@ -138,13 +139,13 @@ mod part {
     pub const START_UP: u64 = 6;
     pub const QUALITY: u64 = 7;
     pub const TESTS: u64 = 8;
-    pub const OWN: u64 = 9;
+    pub const SPECIFIC: u64 = 9;
 }
 
 /// Diagnoses the chains of `chain_target`.
 ///
 /// # Errors
-/// If there is no light to be found, or the observer stops it.
+/// If no light is found, or the observer cancels.
 pub fn diagnose<S: ChainTarget>(
     chain_target: &S,
     budget: &DiagnosisBudget,
@@ -153,14 +154,14 @@ pub fn diagnose<S: ChainTarget>(
     let Equilibrium {
         checks,
         bootstrap,
-        fresh,
+        reference,
         starts,
         histories,
         normalisation,
     } = equilibrium(chain_target, budget, observer)?;
     begin(observer, "start-up bias")?;
     let seed = |part| seeds::part(budget.seed, part);
-    let start_up = start_up::start_up_bias(chain_target, &fresh, seed(part::START_UP));
+    let start_up = start_up::start_up_bias(chain_target, &reference, seed(part::START_UP));
     begin(observer, "long chains")?;
     let long = (budget.steps, seed(part::QUALITY));
     let quality = quality::quality(chain_target, &bootstrap, &histories, long);
@@ -175,7 +176,7 @@ pub fn diagnose<S: ChainTarget>(
     })
 }
 
-/// Tells of a phase, unless the observer wants an end.
+/// Reports a new phase to the observer. Fails if the observer cancels.
 fn begin(observer: &dyn Observer, phase: &str) -> Result<(), DiagnoseError> {
     observer.phase(phase);
     if observer.interrupted() {
@@ -186,7 +187,7 @@ fn begin(observer: &dyn Observer, phase: &str) -> Result<(), DiagnoseError> {
 }
 
 impl Diagnosis {
-    /// Tests that reject at level `alpha`, the surest first.
+    /// Tests that reject at level `alpha`, in the order of their p-values.
     pub fn rejections(&self, alpha: f64) -> Vec<&Check> {
         let mut rejections: Vec<&Check> = self
             .checks

@@ -1,8 +1,9 @@
-//! Normalisation: b, and the weights of samples. Chains and independent samples estimate the same image.
+//! Normalisation: tests of b, and of the weights of samples. Chains and independent samples must estimate
+//! the same image.
 //!
-//! Where light is rare and bright, uniform samples underestimate the variance of their mean, because most
-//! of them have not found it. Chains have. So the variance of uniform samples is estimated by the chains'
-//! weights, as any other integral, and a mean that rests on too few contributing samples is not tested.
+//! If light is rare and bright, uniform samples underestimate the variance of their mean, because most of
+//! them have not found it. Chains have found it. So the variance of uniform samples is estimated with the
+//! weights of the chains, like any other integral, and a mean of too few contributing samples is not tested.
 
 use super::check::{Check, Family};
 use super::history::{History, Integrals};
@@ -10,7 +11,7 @@ use super::observation::{IndependentEstimate, TILES};
 use crate::markov::{Bootstrap, KelemenWeights};
 use crate::statistics::{Moments, holm, normal_two_sided};
 
-/// Least effective number of clusters of chains, or of contributing samples, for a test: its z-score is
+/// Minimum effective number of clusters of chains, or of contributing samples, for a test. The z-score is
 /// then approximately normal.
 pub(super) const MIN_EFFECTIVE: f64 = 200.0;
 
@@ -21,16 +22,16 @@ pub struct Normalisation {
     pub estimates: Vec<Estimate>,
 }
 
-/// A number and how well it is known.
+/// An estimate and its standard error.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Estimate {
-    /// Where it is from.
+    /// The samples that it is from.
     pub name: &'static str,
     /// The estimate.
     pub value: f64,
     /// Its standard error.
     pub standard_error: f64,
-    /// It rests on enough samples, or clusters of chains, for a test.
+    /// True if there are enough samples, or clusters of chains, for a test.
     #[serde(skip)]
     is_testable: bool,
 }
@@ -44,12 +45,13 @@ impl Estimate {
             name,
             value,
             standard_error: ((square - value * value).max(0.0) / count).sqrt(),
-            // n mean^2 / mean square: n if all samples are alike, the number of hits if all are.
+            // The effective number of contributing samples is n mean^2 / mean square: the number of
+            // non-zero samples if these are equal.
             is_testable: count * value * value > MIN_EFFECTIVE * square,
         }
     }
 
-    /// p-value of the hypothesis that both have one mean; `None` if that cannot be tested.
+    /// p-value of the null hypothesis that both have the same mean; `None` if it cannot be tested.
     fn differs_from(&self, other: &Self) -> Option<f64> {
         let error = self.standard_error.hypot(other.standard_error);
         let testable = self.is_testable && other.is_testable && error > 0.0 && error.is_finite();
@@ -74,9 +76,9 @@ pub fn normalisation(
     let mut weights = WeightedHistories::new(histories, weights, &bootstrap.moments);
     let square = weights.of(&|part| part.square).value;
     let uniform = |name, mean, count| Estimate::uniform(name, mean, count, square);
-    let boot = uniform("bootstrap", bootstrap.moments.mean, bootstrap.moments.count);
+    let from_bootstrap = uniform("bootstrap", bootstrap.moments.mean, bootstrap.moments.count);
     let large = uniform("large steps", large.mean, large.count);
-    weights.b_error = boot.standard_error;
+    weights.b_error = from_bootstrap.standard_error;
     let independent_total = uniform(
         "independent samples",
         independent.tiles.iter().sum(),
@@ -96,10 +98,13 @@ pub fn normalisation(
     let tiles: Vec<f64> = (0..TILES * TILES).filter_map(tile).collect();
     let least = (!tiles.is_empty()).then(|| holm(&tiles).into_iter().fold(1.0, f64::min));
     let tests = [
-        ("b of bootstrap and large steps", boot.differs_from(&large)),
+        (
+            "b of bootstrap and large steps",
+            from_bootstrap.differs_from(&large),
+        ),
         (
             "b of bootstrap and independent samples",
-            boot.differs_from(&independent_total),
+            from_bootstrap.differs_from(&independent_total),
         ),
         // Without large steps the weights of every chain sum to b of the bootstrap: the same test again.
         (
@@ -113,8 +118,8 @@ pub fn normalisation(
     let check = |(name, p_value): (&str, Option<f64>)| {
         Some(Check::new(Family::Normalisation, name, p_value?))
     };
-    let mut estimates = vec![boot, large, independent_total, weights_total];
-    // Chains without large steps have no estimate from them.
+    let mut estimates = vec![from_bootstrap, large, independent_total, weights_total];
+    // Chains without large steps have no estimate from large steps.
     estimates.retain(|estimate| estimate.standard_error.is_finite());
     if p_large == 0.0 {
         estimates.pop();
@@ -147,8 +152,8 @@ impl<'a> WeightedHistories<'a> {
         }
     }
 
-    /// The integral that `value` names. Its variance is that of the sum over independent clusters, and
-    /// that of b.
+    /// The estimate of the integral that `value` selects. Its variance is the sum of the variance over
+    /// independent clusters and the variance due to b.
     fn of(&self, value: &dyn Fn(&Integrals) -> f64) -> Estimate {
         let refinement = self.b / self.b_0;
         let (mut sum, mut chain_sum) = (0.0, 0.0);
@@ -166,7 +171,7 @@ impl<'a> WeightedHistories<'a> {
             .iter()
             .map(|(t, n)| (t - n * mean).powi(2))
             .sum();
-        let second: f64 = per_cluster.iter().map(|(t, _)| t * t).sum();
+        let sum_of_squares: f64 = per_cluster.iter().map(|(t, _)| t * t).sum();
         let clusters = self.clusters.len() as f64;
         let of_clusters = squares * clusters / (clusters - 1.0) / (self.chains * self.chains);
         let of_b = (chain_sum / self.chains / self.b_0 * self.b_error).powi(2);
@@ -174,7 +179,7 @@ impl<'a> WeightedHistories<'a> {
             name: "weights",
             value: mean,
             standard_error: (of_clusters + of_b).sqrt(),
-            is_testable: sum * sum > MIN_EFFECTIVE * second,
+            is_testable: sum * sum > MIN_EFFECTIVE * sum_of_squares,
         }
     }
 }

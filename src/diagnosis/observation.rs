@@ -1,4 +1,4 @@
-//! What tests observe in a state of a chain.
+//! The observed quantities of a state of a chain.
 
 use super::check::Check;
 use crate::markov::{Mutations, Sample, Target};
@@ -6,18 +6,18 @@ use crate::markov::{Mutations, Sample, Target};
 /// Tiles of the image in a row and in a column.
 pub const TILES: usize = 8;
 
-/// Dimensions of the hypercube that are observed.
+/// Number of observed dimensions of the hypercube.
 pub const COORDINATES: usize = 4;
 
-/// Kinds of paths that are distinguished.
+/// Number of techniques that are distinguished.
 pub const TECHNIQUES: usize = 64;
 
-/// What is observed in a state, besides its density.
+/// The observed quantities of a state, besides its density.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
-    /// Those of the brightest of its paths.
+    /// Features of the brightest path.
     pub features: Features,
-    /// The parts of its density, which is their sum, by the tile in which they land; each tile once.
+    /// Tiles of the image and the part of the density in each. The sum is the density. No tile is repeated.
     pub light: Vec<(usize, f64)>,
 }
 
@@ -51,12 +51,12 @@ pub struct Features {
     pub technique: usize,
     /// Length of the path in edges.
     pub length: f64,
-    /// Single coordinates; NaN where the state does not use them.
+    /// Observed coordinates; NaN if the state does not use them.
     pub coordinates: [f64; COORDINATES],
 }
 
 impl Features {
-    /// Those of a chain's state.
+    /// Features of a state of a chain.
     pub fn of(sample: &Sample<Observation>) -> Self {
         Self {
             log_density: sample.density.ln(),
@@ -64,13 +64,13 @@ impl Features {
         }
     }
 
-    /// Block of 2 x 2 tiles, of which the image has 4 x 4.
+    /// Index of the block of 2 x 2 tiles. The image has 4 x 4 blocks.
     pub fn block(&self) -> usize {
         let [row, column] = [self.tile / TILES, self.tile % TILES];
         row / 2 * (TILES / 2) + column / 2
     }
 
-    /// Block of tiles x technique: a cell for counts.
+    /// Index of the cell for counts: block of tiles x technique.
     pub fn cell(&self) -> usize {
         self.block() * TECHNIQUES + self.technique
     }
@@ -79,14 +79,14 @@ impl Features {
     pub const CELLS: usize = TILES * TILES / 4 * TECHNIQUES;
 }
 
-/// A scalar of the state that is followed along a chain.
+/// A scalar function of the state, whose mixing is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// log I(u).
     LogDensity,
-    /// Where the camera subpath begins on the film.
+    /// Film position of the camera subpath, from left to right.
     FilmX,
-    /// The same, downwards.
+    /// Film position of the camera subpath, from top to bottom.
     FilmY,
     /// Length of the path in edges.
     Length,
@@ -117,15 +117,15 @@ impl Quantity {
     }
 }
 
-/// The tile of a place in a rectangle of `size`.
-pub fn tile_at(place: [f64; 2], size: [f64; 2]) -> usize {
-    let index = |i: usize| ((place[i] / size[i] * TILES as f64) as usize).min(TILES - 1);
+/// The tile at `position` in a rectangle of `size`.
+pub fn tile_at(position: [f64; 2], size: [f64; 2]) -> usize {
+    let index = |i: usize| ((position[i] / size[i] * TILES as f64) as usize).min(TILES - 1);
     index(1) * TILES + index(0)
 }
 
-/// A target, and the chains that are diagnosed.
+/// A target, and the chains on it that are diagnosed.
 pub trait ChainTarget: Sync {
-    /// The target, with what tests observe.
+    /// The target, with the observed quantities.
     type Target<'t>: Target<Contribution = Observation>
     where
         Self: 't;
@@ -136,10 +136,10 @@ pub trait ChainTarget: Sync {
     /// Kinds of mutations of the chains.
     fn mutations(&self) -> Mutations;
 
-    /// Estimates the target from independent samples, by other code than the chains as far as possible.
+    /// Estimates the target from independent samples, as far as possible by code that chains do not use.
     fn independent(&self, seed: u64) -> IndependentEstimate;
 
-    /// Tests of what only this target has.
+    /// Tests that are specific to this target.
     fn own_checks(&self, _seed: u64) -> Vec<Check> {
         Vec::new()
     }

@@ -1,4 +1,4 @@
-//! What tests observe of the paths of a scene.
+//! The observed quantities of the paths of a scene.
 
 use super::observation::{COORDINATES, Features, Observation, TECHNIQUES, TILES, tile_at};
 use crate::film::Splat;
@@ -11,7 +11,7 @@ use crate::technique::Technique;
 /// Pixels in a row and in a column of a diagnosed image, a multiple of [`TILES`].
 pub(super) const PIXELS: u32 = 64;
 
-/// Film position, a direction after the first surface, and a position on a light.
+/// Observed dimensions: film position, a direction at the first surface, and a position on a light.
 const OBSERVED: [Dimension; COORDINATES] = [
     dimensions::FILM,
     Dimension::new(Stream::Camera, dimensions::FILM.index + 1),
@@ -77,7 +77,7 @@ pub(super) struct Brightest {
 }
 
 impl Brightest {
-    /// None yet.
+    /// Before the first path.
     pub fn new() -> Self {
         Self {
             luminance: 0.0,
@@ -86,7 +86,7 @@ impl Brightest {
         }
     }
 
-    /// Compares another path.
+    /// Keeps the path if it is brighter than those before.
     pub fn add(&mut self, technique: Technique, splat: Splat) {
         let luminance = luminance(splat.value);
         if luminance > self.luminance {
@@ -98,7 +98,7 @@ impl Brightest {
         }
     }
 
-    /// Writes the features of the sample that `sampler` has read.
+    /// Writes the features of the sample, whose coordinates were read through `sampler`.
     pub fn observe<S>(&self, sampler: &ObservedSampler<S>, out: &mut Observation) {
         out.features = Features {
             log_density: f64::NAN,
@@ -111,8 +111,7 @@ impl Brightest {
     }
 }
 
-/// Techniques of up to 6 light vertices and up to 7 camera vertices have an index of their own; longer
-/// ones share those of the longest.
+/// Index of a technique. Techniques of more than 7 light or camera vertices are counted as having 7.
 fn technique_index(technique: Technique) -> usize {
     const SIDE: usize = 8;
     const { assert!(SIDE * SIDE == TECHNIQUES) };

@@ -15,18 +15,18 @@ const INDEPENDENT_SPP: u64 = 512;
 /// The chains of `pssmlt`.
 pub struct PssmltChains<'a> {
     scene: &'a Scene,
-    own: PssmltSettings,
+    settings: PssmltSettings,
     threads: Option<usize>,
 }
 
 impl<'a> PssmltChains<'a> {
-    /// Of `scene`, which gets a small film with a box filter; the independent estimate is rendered on
-    /// `threads` threads (`None` for one per core).
-    pub fn new(scene: &'a mut Scene, own: PssmltSettings, threads: Option<usize>) -> Self {
+    /// The chains of a render of `scene`, whose film is replaced by a small one with a box filter. The
+    /// independent estimate is rendered on `threads` threads (`None` for one per core).
+    pub fn new(scene: &'a mut Scene, settings: PssmltSettings, threads: Option<usize>) -> Self {
         set_film(scene);
         Self {
             scene,
-            own,
+            settings,
             threads,
         }
     }
@@ -47,11 +47,14 @@ impl ChainTarget for PssmltChains<'_> {
     }
 
     fn mutations(&self) -> Mutations {
-        Mutations::kelemen(self.own.large_step_probability, self.own.small_step)
+        Mutations::kelemen(
+            self.settings.large_step_probability,
+            self.settings.small_step,
+        )
     }
 
-    /// From a render by `bdpt`, which shares only the path sampler with the chains. Without samples if its
-    /// threads cannot be started.
+    /// The estimate of a render by `bdpt`, which shares only the path sampler with the chains. It has no
+    /// samples if the threads of the render cannot be started.
     fn independent(&self, seed: u64) -> IndependentEstimate {
         let settings = Settings {
             budget: Budget::SamplesPerPixel(INDEPENDENT_SPP),
@@ -72,7 +75,7 @@ impl ChainTarget for PssmltChains<'_> {
     }
 }
 
-/// Bidirectional path tracing as a target, observed.
+/// The target of `pssmlt`, with the observed quantities.
 pub struct ObservedPaths<'a> {
     scene: &'a Scene,
     workspace: Workspace,

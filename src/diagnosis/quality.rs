@@ -1,4 +1,4 @@
-//! The quality of chains: long chains that start as those of a render.
+//! Mixing, measured on long chains that start like those of a render.
 
 use std::time::Instant;
 
@@ -15,19 +15,19 @@ use crate::statistics::{
     integrated_autocorrelation_time_of_chains, nested_r_hat, r_hat, tail_ess,
 };
 
-/// Different starts of the long chains.
+/// Number of different starts of the long chains.
 const STARTS: usize = 16;
 
-/// Chains from each.
+/// Number of chains from each start.
 const PER_START: usize = 4;
 
-/// Chains whose traces are kept for a chart.
+/// Number of chains whose traces are stored for a chart.
 const TRACES: usize = 4;
 
-/// Greatest lag of the autocorrelation that is kept for a chart, as a part of the length of a chain.
-const LAGS: usize = 8;
+/// The stored autocorrelation ends at the length of a chain divided by this number.
+const LENGTH_OVER_LAG: usize = 8;
 
-/// p-value of Geweke's and of Heidelberger and Welch's test below which a chain is counted.
+/// Level of Geweke's and of Heidelberger and Welch's tests.
 const ALPHA: f64 = 0.05;
 
 /// How well long chains mix.
@@ -37,22 +37,22 @@ pub struct Quality {
     pub chains: usize,
     /// Steps of each.
     pub steps: u64,
-    /// Different starts of these chains.
+    /// Number of different starts of these chains.
     pub starts: usize,
-    /// Seconds that all steps of these chains took.
+    /// Duration of all steps of these chains, in seconds.
     pub seconds: f64,
-    /// For log I, the film position and the length of the path.
+    /// Mixing of log I, of the film position and of the path length.
     pub quantities: Vec<Mixing>,
-    /// For each tile: whether the chain is in it. Rows from the top.
+    /// Mixing of the indicator function of each tile, in rows from the top.
     pub tiles: Vec<TileMixing>,
-    /// By kind of mutation, of all chains.
+    /// Statistics of each kind of mutation, over all chains.
     pub mutations: Vec<MutationStatistics>,
     /// Longest run of rejections of any chain.
     pub longest_rejection_run: u64,
     /// Share of perturbations accepted, by the tile of the state before; NaN where none was proposed.
     #[serde(skip)]
     pub acceptance_of_tiles: Vec<f64>,
-    /// Different bootstrap samples among as many starts as a render makes, and these.
+    /// Number of different bootstrap samples among the starts of a render, and number of these starts.
     pub distinct_starts: [usize; 2],
     /// log I of some chains, step by step.
     #[serde(skip)]
@@ -62,42 +62,42 @@ pub struct Quality {
     pub autocorrelation: Vec<f64>,
 }
 
-/// How well chains agree on one quantity.
+/// Mixing of one quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct Mixing {
-    /// Of what.
+    /// Name of the quantity.
     pub name: &'static str,
     /// Rank-normalised split R-hat.
     pub r_hat: f64,
-    /// Nested R-hat: chains of one start are one group.
+    /// Nested R-hat: chains with the same start are one group.
     pub nested_r_hat: f64,
     /// Effective sample size of all chains, for the centre of the distribution.
     pub bulk_ess: f64,
-    /// For its tails.
+    /// Effective sample size of all chains, for the tails of the distribution.
     pub tail_ess: f64,
     /// Effective samples per second: bulk ESS over the time of the steps.
     pub ess_per_second: f64,
-    /// Steps that count as one independent sample.
+    /// Integrated autocorrelation time: number of steps equivalent to one independent sample.
     pub autocorrelation_time: f64,
     /// Share of chains whose beginning differs from their end (Geweke 1992) at 5%.
     pub geweke_rejects: f64,
-    /// Share of chains that Heidelberger and Welch's test finds stationary at 5%, its first part at
-    /// most left out.
+    /// Share of chains that Heidelberger and Welch's test accepts as stationary at 5%, possibly after
+    /// discarding an initial part.
     pub heidelberger_welch_passes: f64,
 }
 
-/// How well chains agree on how often they are in a tile.
+/// Mixing of the indicator function of a tile.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct TileMixing {
-    /// Share of the steps in it.
+    /// Share of the states in the tile.
     pub share: f64,
-    /// Rank-normalised split R-hat of being in it; NaN if no chain or every chain always is.
+    /// Rank-normalised split R-hat; NaN if no state or every state is in the tile.
     pub r_hat: f64,
     /// Effective sample size of all chains.
     pub ess: f64,
 }
 
-/// Runs long chains that start as a render starts them, so many steps each, under a seed.
+/// Runs long chains of `steps` steps that start like those of a render.
 pub fn quality<S: ChainTarget>(
     chain_target: &S,
     bootstrap: &Bootstrap,
@@ -134,7 +134,7 @@ pub fn quality<S: ChainTarget>(
         let chains = values(&traces, |f| quantity.of(f));
         Mixing::of(quantity.name(), &chains, seconds)
     };
-    let lag = (steps as usize / LAGS).max(1);
+    let lag = (steps as usize / LENGTH_OVER_LAG).max(1);
     Quality {
         chains: runs.len(),
         steps,
@@ -158,6 +158,7 @@ pub fn quality<S: ChainTarget>(
     }
 }
 
+/// A scalar function of the states, chain by chain.
 fn values(traces: &[&[Features]], value: impl Fn(&Features) -> f64) -> Vec<Vec<f64>> {
     traces
         .iter()
@@ -165,6 +166,7 @@ fn values(traces: &[&[Features]], value: impl Fn(&Features) -> f64) -> Vec<Vec<f
         .collect()
 }
 
+/// Mean autocorrelation at lags from 0 to `lags`, over the chains for which it is finite.
 fn mean_autocorrelation(chains: &[Vec<f64>], lags: usize) -> Vec<f64> {
     let all: Vec<Vec<f64>> = chains
         .iter()
@@ -181,6 +183,7 @@ fn mean_autocorrelation(chains: &[Vec<f64>], lags: usize) -> Vec<f64> {
     (0..=lags).map(mean).collect()
 }
 
+/// Share of perturbations accepted, by tile.
 fn acceptance_of_tiles(histories: &[History]) -> Vec<f64> {
     let rate = |tile: usize| {
         let counts = histories
@@ -192,7 +195,7 @@ fn acceptance_of_tiles(histories: &[History]) -> Vec<f64> {
     (0..TILES * TILES).map(rate).collect()
 }
 
-/// Starts that a render with the default number of chains makes.
+/// Number of different starts of a render with the default number of chains, and number of its starts.
 fn distinct(bootstrap: &Bootstrap) -> [usize; 2] {
     let mut starts = bootstrap.starts(PssmltSettings::default().chains as usize);
     let all = starts.len();

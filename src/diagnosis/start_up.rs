@@ -1,8 +1,9 @@
-//! Start-up bias: chains that start from a small bootstrap are not quite in equilibrium.
+//! Start-up bias: chains that start from a small bootstrap are not exactly in equilibrium.
 //!
-//! A start resampled from n uniform samples has the density of a ratio of two means, whose bias falls
-//! as 1/n (Owen 2013, "Monte Carlo theory, methods and examples", section 9.2). It is seen here in
-//! log I of chains each of which starts from a bootstrap of its own, at once and after some steps.
+//! The expectation over a start that is resampled from n uniform samples is that of a ratio of two means,
+//! whose bias falls as 1/n (Owen 2013, "Monte Carlo theory, methods and examples", section 9.2). The bias
+//! is measured here in log I of chains, each of which starts from its own bootstrap, at the start and after
+//! some steps.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,13 +13,13 @@ use crate::markov::{Chain, Target, bootstrap, systematic_resample};
 use crate::sampling::seeds::{self, Purpose};
 use crate::statistics::Moments;
 
-/// Sizes of bootstraps, for one chain each.
+/// Sizes of bootstraps. Each bootstrap starts one chain.
 const SIZES: [u64; 4] = [16, 64, 256, 1024];
 
-/// Bootstraps of each size.
+/// Number of bootstraps of each size.
 const REPEATS: u64 = 512;
 
-/// Steps after which the bias is looked at.
+/// Numbers of steps after which the bias is measured.
 const STEPS: [u64; 3] = [0, 8, 64];
 
 /// The bias of log I, in standard deviations of log I in equilibrium.
@@ -26,42 +27,42 @@ const STEPS: [u64; 3] = [0, 8, 64];
 pub struct StartUpBias {
     /// Bootstrap samples for each chain.
     pub samples_per_chain: u64,
-    /// Bootstraps that found light, and so a start.
+    /// Number of bootstraps that found light, and so of chains.
     pub chains: u64,
-    /// Steps made, bias, and its standard error.
+    /// Number of steps, bias, and its standard error.
     pub after: Vec<(u64, f64, f64)>,
 }
 
-/// Measures the bias against `fresh` states, drawn exactly from the target.
+/// Measures the bias against `reference` states, drawn exactly from the target.
 pub fn start_up_bias<S: ChainTarget>(
     chain_target: &S,
-    fresh: &[Features],
+    reference: &[Features],
     seed: u64,
 ) -> Vec<StartUpBias> {
-    let truth: Moments = fresh.iter().map(|f| f.log_density).collect();
-    let deviation = truth.variance().sqrt();
-    let of_size = |(part, &size): (u64, &u64)| {
+    let equilibrium: Moments = reference.iter().map(|f| f.log_density).collect();
+    let deviation = equilibrium.variance().sqrt();
+    let bias = |(part, &size): (u64, &u64)| {
         let seed = seeds::part(seed, part);
-        let paths: Vec<[f64; STEPS.len()]> = (0..REPEATS)
+        let chains: Vec<[f64; STEPS.len()]> = (0..REPEATS)
             .into_par_iter()
             .filter_map(|chain| log_densities(chain_target, seed, [chain, size]))
             .collect();
         let after = STEPS.into_iter().enumerate().map(|(i, steps)| {
-            let values: Moments = paths.iter().map(|path| path[i]).collect();
-            let error = values.standard_error().hypot(truth.standard_error());
+            let values: Moments = chains.iter().map(|chain| chain[i]).collect();
+            let error = values.standard_error().hypot(equilibrium.standard_error());
             (
                 steps,
-                (values.mean - truth.mean) / deviation,
+                (values.mean - equilibrium.mean) / deviation,
                 error / deviation,
             )
         });
         StartUpBias {
             samples_per_chain: size,
-            chains: paths.len() as u64,
+            chains: chains.len() as u64,
             after: after.collect(),
         }
     };
-    (0..).zip(&SIZES).map(of_size).collect()
+    (0..).zip(&SIZES).map(bias).collect()
 }
 
 /// log I of one chain after each of [`STEPS`]; `None` if its bootstrap found no light.

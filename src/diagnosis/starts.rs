@@ -1,10 +1,10 @@
 //! Starts that are drawn exactly from the target distribution.
 //!
 //! A uniform sample u becomes the start of m(u) chains, where m is I(u)/c rounded up or down at random
-//! so that its mean is I(u)/c: the starts are then a random number of points whose intensity is
-//! proportional to I everywhere. Where c is a bound of I this is rejection sampling, and every start
-//! is independent of all others. Where no bound is known, c is chosen from a bootstrap so that few
-//! samples exceed it; those that do start several chains, which are one cluster in the tests.
+//! so that its mean is I(u)/c. The starts are then a point process with an intensity proportional to I. If
+//! c is a bound of I, this is rejection sampling, and all starts are independent. If no bound is known, c
+//! is chosen from a bootstrap so that few samples exceed it. A sample that exceeds it starts several chains,
+//! which are one cluster in the tests.
 
 use std::time::Instant;
 
@@ -16,26 +16,25 @@ use crate::markov::{Bootstrap, Target, bootstrap};
 use crate::render::Observer;
 use crate::sampling::seeds::{self, Purpose};
 
-/// At most this share of the starts may share their place with another one, as far as the bootstrap
-/// can tell.
-const SHARED: f64 = 0.005;
+/// Maximum share of the starts that coincide with another start, as estimated from the bootstrap.
+const MAX_COINCIDENT: f64 = 0.005;
 
 /// Uniform samples evaluated between two reports.
 const BATCH: u64 = 1 << 14;
 
 /// Uniform samples of one task.
-const RUN: u64 = 256;
+const TASK: u64 = 256;
 
 /// A start of a chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Index of the uniform sample: chains with one index are one cluster.
+    /// Index of the uniform sample. Chains with the same index are one cluster.
     pub sample: u64,
     /// The state there.
     pub features: Features,
 }
 
-/// Starts, and how they were found.
+/// Starts, and the samples among which they were found.
 #[derive(Debug, Default)]
 pub struct Starts {
     /// The seed of the uniform samples.
@@ -47,13 +46,13 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// The first `wanted` starts, or as many as there are among `most` samples; fewer if the observer
-    /// stops it.
+    /// Draws `wanted` starts, or as many as are found among `max_samples` samples; fewer if the observer
+    /// cancels.
     pub fn draw<S: ChainTarget>(
         chain_target: &S,
         seed: u64,
         c: f64,
-        (wanted, most): (usize, u64),
+        (wanted, max_samples): (usize, u64),
         observer: &dyn Observer,
     ) -> Self {
         let begin = Instant::now();
@@ -61,23 +60,23 @@ impl Starts {
             seed,
             ..Self::default()
         };
-        while drawn.starts.len() < wanted && drawn.samples < most {
+        while drawn.starts.len() < wanted && drawn.samples < max_samples {
             if observer.interrupted() {
                 break;
             }
             let found = drawn.starts.len() as f64 / wanted as f64;
-            let done = found.max(drawn.samples as f64 / most as f64);
+            let done = found.max(drawn.samples as f64 / max_samples as f64);
             let left = begin.elapsed().as_secs_f64() * (1.0 / done - 1.0);
             observer.progress(done, (done > 0.0).then_some(left));
-            let last = most.min(drawn.samples + BATCH);
+            let last = max_samples.min(drawn.samples + BATCH);
             let found: Vec<Vec<Start>> = (drawn.samples..last)
-                .step_by(RUN as usize)
+                .step_by(TASK as usize)
                 .collect::<Vec<u64>>()
                 .into_par_iter()
                 .map(|first| {
                     let mut target = chain_target.target();
                     let mut out = Observation::default();
-                    (first..last.min(first + RUN))
+                    (first..last.min(first + TASK))
                         .flat_map(|i| starts_at(&mut target, &mut out, [seed, i], c))
                         .collect()
                 })
@@ -97,7 +96,7 @@ impl Starts {
     }
 }
 
-/// The starts that uniform sample `i` under `seed` becomes: as a rule none.
+/// The starts at uniform sample `i` under `seed`: usually none.
 fn starts_at<T: Target<Contribution = Observation>>(
     target: &mut T,
     out: &mut Observation,
@@ -105,13 +104,13 @@ fn starts_at<T: Target<Contribution = Observation>>(
     c: f64,
 ) -> impl Iterator<Item = Start> + use<T> {
     let density = target.evaluate(&mut bootstrap::sample(seed, i), out);
-    let coin: f64 = seeds::generator(seed, Purpose::Resampling, i).random();
+    let u: f64 = seeds::generator(seed, Purpose::Resampling, i).random();
     let mean = if density.is_finite() {
         density / c
     } else {
         0.0
     };
-    let copies = mean.floor() + f64::from(u8::from(coin < mean.fract()));
+    let copies = mean.floor() + f64::from(u8::from(u < mean.fract()));
     let features = Features {
         log_density: density.ln(),
         ..out.features
@@ -125,16 +124,16 @@ fn starts_at<T: Target<Contribution = Observation>>(
     )
 }
 
-/// The c that makes as many starts as possible while few of them share a place, from the densities of
-/// a bootstrap: the share that do is the mean of (I - c)+ over that of I.
+/// The c that gives as many starts as possible while few of them coincide, from the densities of a
+/// bootstrap. The share that coincide is the mean of (I - c)+ over the mean of I.
 pub fn spacing(bootstrap: &Bootstrap) -> f64 {
     let mut densities = bootstrap.densities.clone();
     densities.sort_by(|a, b| b.total_cmp(a));
     let total: f64 = densities.iter().sum();
     let mut above = 0.0;
     for (i, &density) in densities.iter().enumerate() {
-        // With c at this density the excess is the sum above it less c for each.
-        if above - i as f64 * density > SHARED * total {
+        // If c is this density, the sum of (I - c)+ is the sum of all greater densities minus c for each.
+        if above - i as f64 * density > MAX_COINCIDENT * total {
             return densities[i.saturating_sub(1)];
         }
         above += density;

@@ -1,5 +1,5 @@
-//! Bidirectional path tracing (Veach 1997, chapter 10): all techniques (s, t) with t >= 1 over one
-//! pair of subpaths.
+//! Bidirectional path tracing (Veach 1997, chapter 10): all techniques (s, t) with t >= 1, for one pair of
+//! subpaths.
 
 use super::camera_paths::{LightWeights, camera_paths};
 use super::{PathSampler, Workspace, max_edges};
@@ -42,7 +42,7 @@ impl PathSampler for BidirectionalPathTracer {
                 let technique = Technique::Camera { s: j + 1 };
                 visit(PathContribution::new(technique, film, connection));
             }
-            // The path over y_j and z_i has i + j + 1 edges.
+            // The path through y_j and z_i has i + j + 1 edges.
             let reachable = edges.saturating_sub(j + 1).min(camera.vertices.len());
             for (i, z) in (1..).zip(&camera.vertices[..reachable]) {
                 if z.is_connectible(scene)

@@ -1,5 +1,5 @@
-//! What path tracing and bidirectional path tracing share: a camera subpath whose every vertex is
-//! connected to the lights, by hitting them (s = 0) and by next event estimation (s = 1).
+//! The techniques common to path tracing and bidirectional path tracing: a camera subpath whose vertices
+//! hit lights (s = 0) or are connected to lights by next event estimation (s = 1).
 
 use glam::Vec2;
 
@@ -11,7 +11,7 @@ use crate::technique::{
     Connection, Hit, NextEvent, PathContribution, Technique, hit_environment, hit_light,
 };
 
-/// The MIS weights of paths with s <= 1: they depend on the techniques that a method combines.
+/// The MIS weights of paths with s <= 1. They depend on the techniques that a method combines.
 pub(super) trait LightWeights {
     /// Weights a path of technique s = 0.
     fn hit(hit: &Hit) -> Connection;
@@ -19,8 +19,8 @@ pub(super) trait LightWeights {
     fn next_event(next_event: &NextEvent) -> Connection;
 }
 
-/// Traces a camera subpath and hands every path of techniques s = 0 and s = 1 that carries light to
-/// `visit`. Returns the film position at which the subpath starts.
+/// Traces a camera subpath and calls `visit` for every path of techniques s = 0 and s = 1 that carries
+/// light. Returns the film position of the subpath.
 #[inline]
 pub(super) fn camera_paths<W: LightWeights, S: Sampler>(
     scene: &Scene,

@@ -1,5 +1,6 @@
 //! Light tracing: every vertex of a light subpath, the point on the light included, is connected to the
-//! lens. Technique t = 1 alone, so without weights; light that is seen through smooth surfaces is missing.
+//! lens. It uses only technique t = 1, so there are no MIS weights. Light seen through or reflected by
+//! smooth surfaces is missing.
 
 use glam::Vec2;
 
@@ -28,12 +29,12 @@ impl PathSampler for LightTracer {
         let Workspace { light, rays, .. } = workspace;
         trace_light_subpath(scene, edges.saturating_sub(1), sampler, rays, light);
         let mut add = |s, film, connection: Connection| {
-            let alone = Connection {
+            let unweighted = Connection {
                 weight: 1.0,
                 ..connection
             };
             let technique = Technique::Camera { s };
-            visit(PathContribution::new(technique, film, alone));
+            visit(PathContribution::new(technique, film, unweighted));
         };
         if edges > 0
             && let Some((film, connection)) = visible_light(scene, sampler, rays)
@@ -48,8 +49,8 @@ impl PathSampler for LightTracer {
     }
 }
 
-/// Technique (1, 1): a directly visible light, sampled for the lens. A point light or a directional one
-/// has no extent on the film and stays invisible.
+/// Technique (1, 1): a directly visible light, sampled for the lens. Point and directional lights have no
+/// extent on the film and are invisible.
 fn visible_light<S: Sampler>(
     scene: &Scene,
     sampler: &mut S,
@@ -64,7 +65,7 @@ fn visible_light<S: Sampler>(
         .filter(|direct| !direct.delta)?;
     let film = scene.camera.film_position(direct.direction, lens)?;
     let emission = &direct.emission;
-    // The lens measures radiance with importance p_w per steradian.
+    // The lens measures the integral of radiance times p_w, the density of its directions per steradian.
     let importance = scene.camera.direction_pdf(direct.direction);
     let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
     let (near, far) = scene

@@ -1,5 +1,5 @@
-//! Path samplers: maps from a point of the unit hypercube to splats on the film. They do not know how
-//! the point was chosen; the drivers in `render` pair each with independent samples or Markov chains.
+//! Path samplers: maps from a point of the unit hypercube to splats on the film. They do not depend on how
+//! the point is chosen; the drivers in `render` combine them with independent samples or Markov chains.
 //!
 //! ```
 //! use metrolight::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
@@ -38,11 +38,11 @@ use crate::sampling::Sampler;
 use crate::scene::{RayCounts, Scene};
 use crate::technique::PathContribution;
 
-/// A map from a point of the unit hypercube to splats: every light transport method here is one of these
-/// and a rule by which the point moves.
+/// A map from a point of the unit hypercube to splats (`PathSampler` of Mitsuba 0.6). Every light transport
+/// method here consists of a path sampler and a rule that chooses the points.
 pub trait PathSampler: Sync {
-    /// Samples the paths that the point `sampler` stands for, and hands each that carries light to
-    /// `visit`. Contributions are samples of an integral over the film as a unit square.
+    /// Samples the paths of the point `sampler`, and calls `visit` for each that carries light. The film is
+    /// the unit square: the mean of the contributions over all points is an integral over that square.
     fn sample_paths<S: Sampler>(
         &self,
         scene: &Scene,
@@ -51,7 +51,7 @@ pub trait PathSampler: Sync {
         visit: impl FnMut(PathContribution),
     );
 
-    /// The same paths as splats, which replace those in `splats`.
+    /// Samples the same paths and replaces the content of `splats` by theirs.
     #[inline]
     fn sample_splats<S: Sampler>(
         &self,
@@ -67,7 +67,7 @@ pub trait PathSampler: Sync {
     }
 }
 
-/// Memory that a path sampler uses again for every sample, and its ray counts.
+/// Memory that a path sampler reuses for every sample, and its ray counts.
 #[derive(Debug, Default)]
 pub struct Workspace {
     camera: Subpath,
@@ -87,13 +87,13 @@ impl Workspace {
         &self.light.vertices
     }
 
-    /// Where the last camera subpath left the scene, if it did.
+    /// The vertex at infinity of the last camera subpath, if it left the scene.
     pub fn environment_vertex(&self) -> Option<&EnvironmentVertex> {
         self.camera.environment.as_ref()
     }
 }
 
-/// Greatest number of edges of a path, or an effectively unreachable bound if unlimited: Russian roulette
+/// Maximum number of edges of a path, or an effectively unreachable bound if unlimited: Russian roulette
 /// ends every subpath long before.
 fn max_edges(scene: &Scene) -> usize {
     scene

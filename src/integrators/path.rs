@@ -1,6 +1,6 @@
 //! Unidirectional path tracing with next event estimation: techniques s = 0 and s = 1, weighted
 //! against each other (Veach 1997, section 9.2). It shares the camera subpath with bidirectional path
-//! tracing but none of its recursive weights, and so checks them.
+//! tracing, but not the recursive MIS weights, so a comparison of the two tests those weights.
 
 use super::camera_paths::{LightWeights, camera_paths};
 use super::{PathSampler, Workspace};
@@ -32,7 +32,7 @@ struct Unidirectional;
 impl LightWeights for Unidirectional {
     #[inline]
     fn hit(hit: &Hit) -> Connection {
-        // Next event estimation makes neither paths of one edge nor paths from a delta vertex.
+        // Next event estimation samples neither paths of one edge nor connections of a delta vertex.
         let next_event = if hit.edges == 1 || !hit.mis.connectible {
             0.0
         } else {

@@ -1,8 +1,8 @@
-//! One technique alone: the paths of multiplexed Metropolis (Hachisuka, Kaplanyan and Dachsbacher
+//! A single technique: the paths of multiplexed Metropolis (Hachisuka, Kaplanyan and Dachsbacher
 //! 2014, "Multiplexed Metropolis light transport", section 4).
 //!
 //! The dimensions are those of bidirectional path tracing, so that technique (s, t) maps a point of the
-//! hypercube to the same path as [`super::bdpt`] does. Subpaths are traced no further than that path.
+//! hypercube to the same path as in [`super::bdpt`]. Subpaths are traced only as far as that path needs.
 
 use glam::Vec2;
 
@@ -34,7 +34,7 @@ impl PathSampler for SingleTechnique {
     }
 }
 
-/// The path that `technique` makes of a point, and its film position; `None` if it carries no light.
+/// The path that `technique` samples at a point, and its film position; `None` if it carries no light.
 #[inline]
 fn sample<S: Sampler>(
     scene: &Scene,
@@ -42,10 +42,10 @@ fn sample<S: Sampler>(
     sampler: &mut S,
     workspace: &mut Workspace,
 ) -> Option<(Vec2, Connection)> {
-    // The light subpath first: it ends early more often than the camera's, by leaving the scene.
+    // Trace the light subpath first: it leaves the scene early more often than the camera subpath.
     let (s, t) = (technique.s(), technique.t());
     if t == 1 && s < 2 {
-        // (1,1) is light tracing's alone: bidirectional path tracing has (0,2) for these paths.
+        // Only light tracing uses (1,1): bidirectional path tracing samples these paths by (0,2).
         return None;
     }
     if s >= 2 {
@@ -67,7 +67,7 @@ fn sample<S: Sampler>(
     let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
     trace_camera_subpath(scene, film, t - 1, sampler, rays, camera);
     let Some(z) = camera.vertices.get(t - 2) else {
-        // t - 2 surface vertices, and the last one at infinity.
+        // Paths of t - 2 surface vertices whose last vertex is at infinity.
         let at_infinity = s == 0 && camera.vertices.len() == t - 2;
         let vertex = camera.environment.as_ref().filter(|_| at_infinity)?;
         return Some((film, hit_environment(scene, vertex, t - 1)?.connection()));

@@ -11,11 +11,11 @@ use crate::technique::Technique;
 pub struct SplatList {
     /// Film position of the camera subpath, in [0, 1)^2.
     pub film: Vec2,
-    /// Light that arrives there: techniques t > 1.
+    /// Sum of the contributions there: techniques t > 1.
     pub pixel: Rgb,
-    /// Light that arrives elsewhere: technique t = 1.
+    /// Contributions at other positions: technique t = 1.
     pub light_image: Vec<Splat>,
-    /// Contributions that were NaN, infinite or negative, and left out.
+    /// Number of contributions left out because they were NaN, infinite or negative.
     pub non_finite: u64,
 }
 
@@ -28,8 +28,7 @@ impl SplatList {
         self.non_finite = 0;
     }
 
-    /// Adds the weighted contribution of a path that `technique` made: the one place where the light of
-    /// a path becomes a splat.
+    /// Adds the weighted contribution of a path that `technique` sampled.
     #[inline]
     pub fn add(&mut self, technique: Technique, splat: Splat) {
         if !color::is_light(splat.value) {
@@ -44,7 +43,7 @@ impl SplatList {
         }
     }
 
-    /// Every splat with light in it.
+    /// All splats that are not black.
     #[inline]
     pub fn iter(&self) -> impl Iterator<Item = Splat> + '_ {
         let pixel = Splat {
@@ -55,8 +54,8 @@ impl SplatList {
         pixel.into_iter().chain(self.light_image.iter().copied())
     }
 
-    /// Total luminance: the scalar contribution I(u) of Kelemen et al. (2002, section 2), positive
-    /// wherever a splat is. NaN if a contribution was not finite.
+    /// Total luminance: the scalar contribution I(u) of Kelemen et al. (2002, section 2), positive if there
+    /// is any splat. NaN if a contribution was left out.
     #[inline]
     pub fn luminance(&self) -> f64 {
         if self.non_finite > 0 {

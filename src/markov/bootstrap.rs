@@ -1,4 +1,4 @@
-//! Where chains start, and the first estimate of the normalisation b, the mean of I.
+//! The bootstrap: starts of chains, and the first estimate of the normalisation b, the mean of I.
 
 use rand::RngExt;
 use rayon::prelude::*;
@@ -12,14 +12,14 @@ use crate::statistics::Moments;
 /// Samples evaluated between two checks of the error of b.
 const BATCH: u64 = 1 << 14;
 
-/// When to stop.
+/// When the bootstrap ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BootstrapLimits {
-    /// At least this many samples.
+    /// Minimum number of samples.
     pub at_least: u64,
-    /// Never more than this many.
+    /// Maximum number of samples.
     pub at_most: u64,
-    /// Stop when the standard error of b is at most this part of b.
+    /// The bootstrap ends when the standard error of b is at most this fraction of b.
     pub relative_error: f64,
 }
 
@@ -36,9 +36,9 @@ pub struct Bootstrap {
 }
 
 impl Bootstrap {
-    /// Samples the target until `limits` say stop or `interrupted` does; `worker` makes one target
-    /// for each run of samples. The result depends on the seed and the limits alone, not on the
-    /// number of threads.
+    /// Samples the target until `limits` are reached or `interrupted`, which is given the number of samples
+    /// so far, returns true. Each task creates a target by `worker` and passes it to `finish` at its end.
+    /// The result depends only on the seed and the limits, not on the number of threads.
     pub fn run<G: Target>(
         seed: u64,
         limits: BootstrapLimits,
@@ -74,13 +74,14 @@ impl Bootstrap {
         worker: &(impl Fn() -> G + Sync),
         finish: &(impl Fn(G) + Sync),
     ) {
-        const RUN: u64 = 512;
-        let runs = (samples.end - samples.start).div_ceil(RUN);
-        let densities: Vec<Vec<f64>> = (0..runs)
+        /// Samples of one task.
+        const TASK: u64 = 512;
+        let tasks = (samples.end - samples.start).div_ceil(TASK);
+        let densities: Vec<Vec<f64>> = (0..tasks)
             .into_par_iter()
-            .map(|run| {
-                let first = samples.start + run * RUN;
-                let last = samples.end.min(first + RUN);
+            .map(|task| {
+                let first = samples.start + task * TASK;
+                let last = samples.end.min(first + TASK);
                 let mut target = worker();
                 let mut out = G::Contribution::default();
                 let densities = (first..last)
@@ -109,15 +110,15 @@ impl Bootstrap {
         sample(self.seed, i as u64)
     }
 
-    /// Moments of I over the samples of part `i` of `parts`, which are as equal in size as can be.
+    /// Moments of I over the samples of part `i` of `parts` parts, whose sizes differ by at most 1.
     pub fn part(&self, i: usize, parts: usize) -> Moments {
         let bound = |i: usize| self.densities.len() * i / parts;
         let densities = &self.densities[bound(i)..bound(i + 1)];
         densities.iter().copied().collect()
     }
 
-    /// Indices of the samples that `chains` chains start from, in proportion to their density; empty
-    /// if no sample has any.
+    /// Indices of the samples that `chains` chains start from, in proportion to their density. Empty if all
+    /// densities are 0.
     pub fn starts(&self, chains: usize) -> Vec<usize> {
         let mut rng = seeds::generator(self.seed, Purpose::Resampling, 0);
         systematic_resample(&self.densities, chains, rng.random())
@@ -129,9 +130,9 @@ pub fn sample(seed: u64, i: u64) -> IndependentSampler {
     IndependentSampler::new(seed, Purpose::Bootstrap, i)
 }
 
-/// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices, index i
-/// expected n w_i / sum(w) times and never off by one or more; `u` in [0, 1) is the only random
-/// number. Empty if all weights are 0.
+/// Systematic resampling (Kitagawa 1996, "Monte Carlo filter and smoother"): `n` indices. The expected
+/// number of times that index i occurs is n w_i / sum(w), and the actual number differs by less than 1.
+/// `u` in [0, 1) is the only random number. Empty if all weights are 0.
 pub fn systematic_resample(weights: &[f64], n: usize, u: f64) -> Vec<usize> {
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
@@ -149,7 +150,7 @@ pub fn systematic_resample(weights: &[f64], n: usize, u: f64) -> Vec<usize> {
             indices.push(i);
         }
     }
-    // Rounding may leave the last one out.
+    // Rounding may omit the last index.
     indices.resize(n, last_positive);
     indices
 }

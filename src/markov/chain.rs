@@ -1,13 +1,14 @@
-//! One Markov chain, and the weights of what it visits.
+//! A Markov chain and the weights of its samples.
 //!
 //! Kelemen et al. (2002, section 4) give a proposal v the weight (a + L) / (I(v)/b + p) and the
 //! current state u the weight (1 - a) / (I(u)/b + p), where a is the acceptance probability, L is 1
 //! for a large step and p the probability of one: a balance heuristic between the chain, whose
 //! density is I/b, and the large steps, whose density is 1 and share p.
 //!
-//! The two parts of the numerator are kept apart here: a and 1 - a estimate integrals against I/b,
-//! L those against 1. So whoever sums them can use one b in the denominator, which then is just a
-//! fixed positive function, and a better b, known later, as the factor of the first part.
+//! The two parts of the numerator are kept separate here: a and 1 - a estimate integrals against the
+//! density I/b, L estimates integrals against the density 1. So a sum of them may use a fixed b_0 in the
+//! denominator, which is then a fixed positive function, and apply a better b, known later, as a factor of
+//! the first part.
 
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -17,7 +18,7 @@ use crate::fault::{Fault, planted};
 use crate::sampling::Sampler;
 use crate::statistics::Moments;
 
-/// How often a sample counts.
+/// Weights of a sample in the numerator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weights {
     /// Expected visits of the chain: sums of a and of 1 - a.
@@ -26,29 +27,29 @@ pub struct Weights {
     pub large: f64,
 }
 
-/// A point that the chain proposed, without its coordinates.
+/// A point that the chain proposed. Its coordinates are not stored.
 #[derive(Clone, Debug, Default)]
 pub struct Sample<T> {
     /// I(u).
     pub density: f64,
-    /// What the target gave.
+    /// The contribution that the target returned.
     pub contribution: T,
-    /// How often it counts so far.
+    /// Weights accumulated so far.
     pub weights: Weights,
 }
 
-/// Proposals of one kind of mutation.
+/// Numbers of proposals of one kind of mutation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MutationCounters {
     /// The kind.
     pub name: &'static str,
     /// Proposals.
     pub proposed: u64,
-    /// Of these accepted.
+    /// Accepted proposals.
     pub accepted: u64,
 }
 
-/// Events of a chain.
+/// Counters of a chain.
 #[derive(Clone, Debug, Default)]
 pub struct ChainCounters {
     /// By kind of mutation, in the order of the chain's list.
@@ -57,14 +58,14 @@ pub struct ChainCounters {
     pub longest_rejection_run: u64,
     /// Proposals whose density was not finite.
     pub non_finite: u64,
-    /// The steps, counted from 1, that proposed the first of them.
+    /// The steps, counted from 1, of the first such proposals.
     pub non_finite_steps: Vec<u64>,
     /// Densities of the proposals of large steps: independent uniform samples of I, whose mean is b.
     pub large_densities: Moments,
 }
 
 impl ChainCounters {
-    /// Most steps in `non_finite_steps`.
+    /// Maximum length of `non_finite_steps`.
     const MAX_STEPS: usize = 16;
 
     fn new(mutations: &Mutations) -> Self {
@@ -89,8 +90,8 @@ impl ChainCounters {
         self.mutations.iter().map(|kind| kind.accepted).sum()
     }
 
-    /// Adds the events of another chain with the same kinds of mutations, except its `non_finite_steps`,
-    /// which mean nothing outside of that chain.
+    /// Adds the counters of another chain with the same kinds of mutations, except its `non_finite_steps`,
+    /// which refer to that chain.
     pub fn merge(&mut self, other: &Self) {
         if self.mutations.is_empty() {
             self.mutations.clone_from(&other.mutations);
@@ -108,17 +109,21 @@ impl ChainCounters {
 
 /// A chain with its own stream of random numbers.
 pub struct Chain<T> {
+    /// Coordinates of the current state, and of the proposal while one is open.
     state: PrimarySample,
+    /// Density, contribution and weights of the current state.
     current: Sample<T>,
+    /// The same of the last proposal; after a step, of the sample whose weight is final.
     proposal: Sample<T>,
+    /// Number of rejections since the last acceptance.
     rejection_run: u64,
-    /// Events so far.
+    /// Counters so far.
     pub counters: ChainCounters,
 }
 
 impl<T: Default> Chain<T> {
-    /// A chain that starts at the sample `start`. All further numbers come from `rng`, so that two chains
-    /// from one start are different chains.
+    /// A chain that starts at the sample `start`. All other random numbers come from `rng`, so that two
+    /// chains with the same start differ.
     pub fn start<G: Target<Contribution = T>>(
         target: &mut G,
         start: impl Sampler,
@@ -139,12 +144,12 @@ impl<T: Default> Chain<T> {
         }
     }
 
-    /// The state, with the weight it has gathered since it became the state.
+    /// The current state, with the weight accumulated since it was accepted.
     pub fn current(&self) -> &Sample<T> {
         &self.current
     }
 
-    /// Takes the weight that the state has gathered, at the end of a run: its weight then starts from 0.
+    /// Returns the accumulated weight of the current state and resets it to 0.
     pub fn take_weights(&mut self) -> Weights {
         std::mem::take(&mut self.current.weights)
     }
@@ -154,7 +159,7 @@ impl<T: Default> Chain<T> {
         self.state.mutations()
     }
 
-    /// One mutation. Returns the number of its kind, and the sample that gathers no more weight: the old
+    /// One mutation. Returns the index of its kind, and the sample whose weight is now final: the previous
     /// state if the proposal was accepted, else the proposal.
     #[inline]
     pub fn step<G: Target<Contribution = T>>(&mut self, target: &mut G) -> (usize, &Sample<T>) {
@@ -162,7 +167,7 @@ impl<T: Default> Chain<T> {
         let kind = self.state.propose();
         let density = target.evaluate(&mut self.state, &mut self.proposal.contribution);
 
-        // Weigh both by the acceptance probability.
+        // Weight both by the acceptance probability.
         let mut acceptance = self.acceptance(density);
         if planted(Fault::ForcedAcceptance) && self.rejection_run >= 8 && density > 0.0 {
             acceptance = 1.0;
@@ -187,8 +192,8 @@ impl<T: Default> Chain<T> {
         (kind, &self.proposal)
     }
 
-    /// a = min(1, I(v) q(v -> u) / (I(u) q(u -> v))). A proposal without a finite density is never
-    /// accepted; any other is accepted if the density of the state is 0.
+    /// a = min(1, I(v) q(v -> u) / (I(u) q(u -> v))) (Hastings 1970). A proposal without a finite density
+    /// is never accepted; any other is accepted if the density of the state is 0.
     #[inline]
     fn acceptance(&self, proposed: f64) -> f64 {
         if !proposed.is_finite() {

@@ -3,7 +3,7 @@
 use super::Sample;
 use crate::fault::{Fault, planted};
 
-/// The denominator I(u)/b_0 + p of Kelemen's weights (Kelemen et al. 2002, section 4).
+/// The constants of the denominator I(u)/b_0 + p of Kelemen's weights (Kelemen et al. 2002, section 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KelemenWeights {
     /// b_0: any positive constant, best near b.
@@ -13,9 +13,9 @@ pub struct KelemenWeights {
 }
 
 impl KelemenWeights {
-    /// The factors of a sample's contribution F(u) in the chain part and in the large-step part of
-    /// an estimate (see [`super::chain`]), each still to be divided by the number of mutations. 0
-    /// where the density is 0 or not finite.
+    /// The factors of a sample's contribution F(u) in the chain part and in the large-step part of an
+    /// estimate (see [`super::chain`]), before division by the number of mutations. 0 if the density is 0
+    /// or not finite.
     #[inline]
     pub fn factors<T>(&self, sample: &Sample<T>) -> [f64; 2] {
         if !sample.density.is_finite() || sample.density <= 0.0 {

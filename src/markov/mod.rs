@@ -1,8 +1,8 @@
-//! Metropolis-Hastings in the unit hypercube, for any target: nothing here depends on light.
+//! Metropolis-Hastings in the unit hypercube, for any target: nothing here depends on light transport.
 //!
 //! The state is a point u of [0,1)^inf, read lazily, and the target is a scalar I(u) >= 0 (Kelemen
 //! et al. 2002, "A simple and robust mutation strategy for the Metropolis light transport
-//! algorithm"; Hachisuka and Jensen's smallpssmlt follows the same paper).
+//! algorithm"; Hachisuka's smallpssmlt follows the same paper).
 //!
 //! ```
 //! use metrolight::markov::{Chain, Mutations, Perturbation, Target, bootstrap};
@@ -46,12 +46,12 @@ pub use primary_sample::PrimarySample;
 
 use crate::sampling::Sampler;
 
-/// A target on the hypercube.
+/// A target density on the hypercube, up to a constant factor.
 pub trait Target {
-    /// What a point gives besides its density, kept with the state of a chain.
+    /// The result of an evaluation besides the density, stored with the state of a chain.
     type Contribution: Default;
 
-    /// Evaluates the target at the point that `sampler` stands for and writes its contribution into `out`,
-    /// which holds an old one to be overwritten. Returns I(u) >= 0, or NaN if it has no finite value there.
+    /// Evaluates the target at the point `sampler` and replaces `out` by its contribution. Returns
+    /// I(u) >= 0, or NaN if I is not finite there.
     fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut Self::Contribution) -> f64;
 }

@@ -12,20 +12,21 @@ use super::Mutations;
 use crate::fault::{Fault, planted};
 use crate::sampling::{Dimension, Sampler, Stream};
 
-/// Coordinates of a stream for which memory is reserved at once; longer paths grow it.
+/// Initial capacity of a stream, in coordinates.
 const CAPACITY: usize = 32;
 
-/// Up to so many accepted steps are simulated without asking whether they make a coordinate uniform.
-const FEW_STEPS: u64 = 16;
+/// Up to this number of accepted steps are always simulated, even if they make a coordinate uniform.
+const MIN_SKIPPED_STEPS: u64 = 16;
 
+/// A coordinate with lazy update.
 #[derive(Clone, Copy, Debug)]
 struct Coordinate {
     value: f32,
-    /// The number of accepted steps up to which `value` is known.
+    /// Number of accepted steps up to which `value` is current.
     time: u64,
 }
 
-/// A coordinate as it was in the current state, to be restored on rejection.
+/// The value of a coordinate in the current state, to be restored on rejection.
 #[derive(Clone, Copy, Debug)]
 struct Undo {
     dimension: Dimension,
@@ -35,6 +36,7 @@ struct Undo {
 /// Consecutive accepted steps of one kind.
 #[derive(Clone, Copy, Debug)]
 struct Run {
+    /// Index of the kind.
     kind: usize,
     /// Number of the last of these steps.
     end: u64,
@@ -43,15 +45,17 @@ struct Run {
 /// The state of a chain in primary sample space, and the proposal while one is open.
 #[derive(Clone, Debug)]
 pub struct PrimarySample {
+    /// Coordinates by stream, as far as they have been read.
     streams: [Vec<Coordinate>; Stream::COUNT],
+    /// Coordinates that the open proposal has changed.
     undo: Vec<Undo>,
     rng: Xoshiro256PlusPlus,
     mutations: Mutations,
     /// Number of accepted steps, plus 1 while a proposal is open.
     now: u64,
-    /// Kinds of the steps accepted since the last large step.
+    /// Runs of the steps accepted since the last large step.
     accepted: Vec<Run>,
-    /// The last accepted large step.
+    /// Number of the last accepted large step.
     last_large: u64,
     /// The kind of the open proposal.
     kind: usize,
@@ -85,8 +89,8 @@ impl PrimarySample {
         &self.mutations
     }
 
-    /// Reads from `source` and stores what is read as the current state: how a chain starts at a named
-    /// sample. Coordinates that the target does not read there stay uniform.
+    /// A sampler that reads from `source` and stores the values in the current state, so that a chain
+    /// starts at that sample. Coordinates that the target does not read remain uniform.
     pub fn starting_at<S: Sampler>(&mut self, source: S) -> Start<'_, S> {
         Start {
             source,
@@ -94,7 +98,7 @@ impl PrimarySample {
         }
     }
 
-    /// Opens a proposal of a kind chosen at random, and returns the number of the kind.
+    /// Opens a proposal of a kind chosen at random, and returns the index of the kind.
     #[inline]
     pub fn propose(&mut self) -> usize {
         let kind = self.mutations.choose(self.rng.random());
@@ -102,7 +106,7 @@ impl PrimarySample {
         kind
     }
 
-    /// Opens a proposal of kind number `kind`.
+    /// Opens a proposal of the kind with index `kind`.
     #[inline]
     pub fn propose_kind(&mut self, kind: usize) {
         self.now += 1;
@@ -134,7 +138,7 @@ impl PrimarySample {
         self.undo.clear();
     }
 
-    /// Restores the state before the proposal: every coordinate and its time.
+    /// Rejects the proposal: restores every coordinate and its time.
     #[inline]
     pub fn reject(&mut self) {
         self.now -= 1;
@@ -161,8 +165,8 @@ impl PrimarySample {
         }
     }
 
-    /// Makes coordinates below `len` exist. One that was never read is uniform in every state, so that a
-    /// new number is its value in the current one.
+    /// Extends `stream` to `len` coordinates. A coordinate that was never read is uniform in every state,
+    /// so its value in the current state is a new random number.
     fn grow(&mut self, stream: Stream, len: usize) {
         let time = self.now.saturating_sub(1);
         let coordinates = &mut self.streams[stream as usize];
@@ -174,6 +178,7 @@ impl PrimarySample {
         }
     }
 
+    /// The value of a coordinate in the open proposal.
     #[inline]
     fn value(&mut self, dimension: Dimension) -> f32 {
         let coordinate = self.streams[dimension.stream as usize][dimension.index];
@@ -213,9 +218,9 @@ impl PrimarySample {
         for run in &self.accepted[first..] {
             let steps = run.end - time;
             let kind = self.mutations.kind(run.kind);
-            // Most coordinates are read in every step: only after more steps than most ask how many make
-            // a coordinate uniform.
-            if steps > FEW_STEPS && steps > kind.steps_to_uniform(dimension) {
+            // Most coordinates are read in every step, so `steps_to_uniform` is evaluated only for long
+            // runs.
+            if steps > MIN_SKIPPED_STEPS && steps > kind.steps_to_uniform(dimension) {
                 value = self.rng.random();
             } else {
                 for _ in 0..steps {
@@ -239,7 +244,7 @@ impl Sampler for PrimarySample {
     }
 }
 
-/// A named sample whose values become the state of a chain as they are read.
+/// A sample whose values become the state of a chain as they are read.
 pub struct Start<'a, S> {
     source: S,
     state: &'a mut PrimarySample,
@@ -289,7 +294,7 @@ mod tests {
             assert!(moved.iter().zip(before).all(|(a, b)| *a != b));
             state.reject();
         }
-        // A step of length 0 would read the state itself: the nearest is one small step away.
+        // Small steps have positive length, so the restored state is known only to within one step.
         state.propose_kind(SMALL);
         let after: [f32; 8] = state.get(at(Stream::Camera, 0));
         for (a, b) in after.iter().zip(before) {
@@ -342,7 +347,7 @@ mod tests {
         // If uniform 80% are far, with a standard deviation of 1.3%.
         assert!(
             (740..860).contains(&far),
-            "{far} of 1000 far from where they were"
+            "{far} of 1000 far from their previous value"
         );
     }
 

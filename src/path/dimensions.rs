@@ -1,5 +1,5 @@
-//! Which dimension of the hypercube means what. Every vertex owns a fixed block of its stream, so that
-//! no choice made at one vertex shifts the numbers of another (Kelemen et al. 2002, section 3).
+//! The use of each dimension of the hypercube. Every vertex has a fixed block of its stream, so that no
+//! choice at one vertex shifts the dimensions of another (Kelemen et al. 2002, section 3).
 
 use crate::sampling::{Dimension, Stream};
 
@@ -9,14 +9,14 @@ pub const FILM: Dimension = Dimension::new(Stream::Camera, 0);
 pub const LENS: Dimension = Dimension::new(Stream::Camera, 2);
 /// Start of a light subpath: light, primitive, position (2), direction (2).
 pub const EMISSION: Dimension = Dimension::new(Stream::Light, 0);
-/// The technique, where a sample chooses one.
+/// The technique, for samples that choose one.
 pub const TECHNIQUE: Dimension = Dimension::new(Stream::Technique, 0);
 
-/// Numbers that a vertex needs to go on: lobe, direction (2), Russian roulette.
+/// Dimensions with which a vertex samples the next one: lobe, direction (2), Russian roulette.
 pub const PER_VERTEX: usize = 4;
 
-/// Numbers that the connections of a pair of vertices (z_i, y_i) need: light, primitive and position (2)
-/// for z_i; the point on the lens (2) for y_i.
+/// Dimensions of the connections of vertices z_i and y_i: light, primitive and position (2) for z_i; the
+/// point on the lens (2) for y_i.
 const PER_CONNECTION: usize = 6;
 
 /// The block of camera subpath vertex z_i, i >= 1.

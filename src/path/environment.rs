@@ -8,10 +8,10 @@ use crate::math::Rgb;
 /// The last vertex of a camera subpath that hits no surface.
 #[derive(Clone, Copy, Debug)]
 pub struct EnvironmentVertex {
-    /// Unit, in which the subpath leaves.
+    /// Unit direction in which the subpath leaves the scene.
     pub direction: Vec3A,
-    /// Importance over the density of having made the subpath.
+    /// Importance over the density of the subpath.
     pub throughput: Rgb,
-    /// `forward` is per steradian.
+    /// Partial MIS sums; `forward` is per steradian.
     pub mis: PartialMis,
 }

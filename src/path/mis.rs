@@ -3,8 +3,9 @@
 //! connection and merging", here without merging).
 //!
 //! Let technique s sample the path x_0 ... x_k with density p_s, and let h(p) = p^2 be the power of the
-//! power heuristic (Veach 1997, section 9.2, beta = 2). The weight of technique s is 1 / (1 + L + C), where L sums h(p_i / p_s) over the techniques with
-//! fewer light vertices, i < s, and C over those with fewer camera vertices, i > s.
+//! power heuristic (Veach 1997, section 9.2, beta = 2). The weight of technique s is 1 / (1 + L + C), where
+//! L sums h(p_i / p_s) over the techniques with fewer light vertices, i < s, and C over those with fewer
+//! camera vertices, i > s.
 //!
 //! Two neighbouring techniques differ in the subpath that samples one vertex. Along one subpath x_0, x_1,
 //! ... let f_i be the density with which this subpath samples x_i, and b_i the density with which the
@@ -13,20 +14,20 @@
 //!   S_i = h(b_i / f_i) (v_i + S_{i-1}),                                                      (1)
 //!
 //! with v_i = 1 if technique i can connect x_{i-1} and x_i, that is, if neither scatters by a delta lobe
-//! on this path, and v_i = 0 otherwise. Now b_{i-1} = r_i g_i, where r_i is the density per steradian of sampling the
-//! direction from x_i to x_{i-1} and g_i = |cos at x_{i-1}| / d^2. So with
+//! on this path, and v_i = 0 otherwise. Now b_{i-1} = r_i g_i, where r_i is the density per steradian of
+//! sampling the direction from x_i to x_{i-1} and g_i = |cos at x_{i-1}| / d^2. So with
 //!
 //!   C_i = h(g_i / f_{i-1}) (v_{i-1} + h(r_{i-1}) C_{i-1}),                                   (2)
 //!   S_i = h(b_i / f_i) (v_i + h(r_i) C_i),                                                   (3)
 //!
-//! everything in C_i is known when x_i is sampled, and the rest of (3) is known to the connection.
+//! everything in C_i is known when x_i is sampled, and the other terms of (3) are known when x_i is
+//! connected.
 //!
-//! Technique s = 1 samples y_0 given the point that it lights, with density p_direct instead of the
-//! density p_pos of a light subpath. Then f_0 = p_direct and f_1 carries the factor p_pos / p_direct.
+//! Technique s = 1 samples y_0 given the point that it illuminates, with density p_direct instead of the
+//! density p_pos of a light subpath. Then f_0 = p_direct, and f_1 has the factor p_pos / p_direct.
 //!
-//! No density contains the survival probabilities of Russian roulette. They are left out of all
-//! techniques alike, which keeps the sum of the weights at 1 and every density computable from either
-//! end of the path.
+//! The densities exclude the survival probabilities of Russian roulette, for all techniques alike. So the
+//! weights sum to 1, and every density can be evaluated from either end of the path.
 
 /// h(p) = p^2: the power heuristic (Veach 1997, section 9.2).
 #[inline]
@@ -41,7 +42,7 @@ pub fn weight(light: f64, camera: f64) -> f32 {
     (1.0 / (1.0 + light + camera)) as f32
 }
 
-/// What a subpath carries at its vertex x_i, i >= 1, for the weights of all techniques.
+/// Partial sums of a subpath at its vertex x_i, i >= 1, for the MIS weights of all techniques.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PartialMis {
     /// f_i: density with which the subpath samples x_i given its predecessors, per unit area (per
@@ -49,13 +50,13 @@ pub struct PartialMis {
     pub forward: f64,
     /// C_i of (2).
     pub partial: f64,
-    /// v_i of (1), provided that x_i itself does not scatter by a delta lobe: true if x_{i-1} does not.
+    /// v_i of (1), if x_i itself does not scatter by a delta lobe: true if x_{i-1} does not.
     pub connectible: bool,
 }
 
 impl PartialMis {
-    /// At the first vertex of a camera subpath, sampled with density `forward`. No technique lets light
-    /// subpaths hit the lens (t = 0), so C_1 = 0.
+    /// At the first vertex of a camera subpath, sampled with density `forward`. Light subpaths never hit
+    /// the lens (there is no technique t = 0), so C_1 = 0.
     #[inline]
     pub fn after_lens(forward: f64) -> Self {
         Self {
@@ -66,8 +67,8 @@ impl PartialMis {
     }
 
     /// At the first vertex of a light subpath. `forward` is the area density there, `pdf_position` and
-    /// `pdf_direct` are the densities of y_0 for s >= 2 and s = 1, `jacobian` is g_1, and `can_be_hit`
-    /// tells whether technique s = 0 exists.
+    /// `pdf_direct` are the densities of y_0 for s >= 2 and s = 1, `jacobian` is g_1, and `can_be_hit` is
+    /// true if technique s = 0 exists.
     #[inline]
     pub fn after_light(
         forward: f64,
@@ -76,8 +77,8 @@ impl PartialMis {
         jacobian: f64,
         can_be_hit: bool,
     ) -> Self {
-        // Rounding may put x_1 behind the emitting side of y_0. Then technique s = 1 cannot make the path
-        // and `forward` becomes infinite: no technique with fewer vertices counts.
+        // Rounding may put x_1 behind the emitting side of y_0. Then technique s = 1 cannot sample the
+        // path, and `forward` becomes infinite: all techniques with fewer light vertices have weight 0.
         let hit = if can_be_hit && pdf_direct > 0.0 {
             h(jacobian / pdf_direct)
         } else {
@@ -112,8 +113,8 @@ impl PartialMis {
 
     /// S_i where x_i lies on a light that a camera subpath has hit (technique s = 0). The other
     /// techniques sample it with `pdf_direct` (s = 1) or with `pdf_position`, going on to x_{i-1}
-    /// with `pdf_direction` (s >= 2). Equation (3) with r_i = pdf_direction pdf_position /
-    /// pdf_direct, multiplied out so that no density is divided by.
+    /// with `pdf_direction` (s >= 2). Equation (3) with b_i = pdf_direct and r_i = pdf_direction
+    /// pdf_position / pdf_direct, multiplied out to avoid the division by pdf_direct.
     #[inline]
     pub fn sum_on_light(&self, pdf_direct: f64, pdf_position: f64, pdf_direction: f64) -> f64 {
         let connect = if self.connectible { h(pdf_direct) } else { 0.0 };

@@ -11,28 +11,28 @@ use crate::math::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
 
-/// Upper bound on the survival probability at the i-th vertex once Russian roulette is active, so that
-/// every subpath ends even where no light is absorbed.
+/// Upper bound on the survival probability at the i-th vertex once Russian roulette is active. With it
+/// every subpath ends, even if no light is absorbed.
 ///
-/// With this bound the probability that a subpath reaches n vertices falls as n^-3. The mean of n^2 is
-/// then finite, and with it the cost of connecting two subpaths; the mean of n is about 75. The weight of
-/// a surviving subpath grows as n^3. A constant bound, as is common (0.95, say), makes it grow as
-/// 0.95^-n: where a bounce loses less than 1 - sqrt(0.95) = 2.5% of the light the variance is then
-/// infinite, and most images are too dark. Here it is finite wherever a bounce loses any light.
+/// The probability that a subpath reaches n vertices falls as n^-3. So the mean of n^2 is finite, and with
+/// it the cost of connecting two subpaths. The mean of n is about 75. The weight of a surviving subpath
+/// grows as n^3. A constant bound, as is common (0.95, say), makes the weight grow as 0.95^-n. If a
+/// scattering event loses less than 1 - sqrt(0.95) = 2.5% of the light, the variance is then infinite, and
+/// most images are too dark. Here it is finite if every scattering event loses any light.
 #[inline]
 fn max_survival(i: usize) -> f32 {
     1.0 - 3.0 / (150.0 + i as f32)
 }
 
-/// Vertices for which memory is reserved at once; longer subpaths grow it.
+/// Initial capacity of a subpath, in vertices.
 const CAPACITY: usize = 64;
 
 /// The vertices of a subpath; element i is z_{i+1} or y_{i+1}.
 #[derive(Debug)]
 pub struct Subpath {
-    /// z_0, a point on the lens, or y_0.
+    /// z_0, a point on the lens, or y_0, a point on a light.
     pub start: Vec3A,
-    /// In the order of the walk.
+    /// Surface vertices in the order of the walk.
     pub vertices: Vec<Vertex>,
     /// Set if a camera subpath left the scene after the last vertex.
     pub environment: Option<EnvironmentVertex>,
@@ -69,7 +69,7 @@ impl Subpath {
 /// The step from one vertex to the next.
 struct Step {
     ray: Ray,
-    /// The vertex that the step leaves, before the ray's origin is moved off its surface.
+    /// Position of the vertex at which the step starts. The ray's origin is offset from its surface.
     from: Vec3A,
     /// Throughput on arrival.
     throughput: Rgb,
@@ -78,7 +78,7 @@ struct Step {
     kind: StepKind,
 }
 
-/// The vertex that the step leaves, as far as weights depend on it.
+/// The vertex at which a step starts, as far as MIS weights depend on it.
 enum StepKind {
     Lens,
     Light {
@@ -165,6 +165,7 @@ pub fn trace_light_subpath<S: Sampler>(
     walk.run(first, max_vertices, sampler);
 }
 
+/// A random walk that stores its vertices in `subpath`.
 struct Walk<'a> {
     scene: &'a Scene,
     mode: TransportMode,
@@ -178,8 +179,8 @@ impl Walk<'_> {
         self.subpath.clear();
         self.subpath.start = first.from;
         let mut step = first;
-        // Product of the scattering weights, without the emission: for Russian roulette.
-        let mut survival = Rgb::ONE;
+        // Throughput without the emission and without radiance scaling by eta^2, for Russian roulette.
+        let mut rr_throughput = Rgb::ONE;
         for i in 1..=max_vertices {
             let Some(vertex) = self.arrive(&step) else {
                 return;
@@ -188,7 +189,7 @@ impl Walk<'_> {
             if i == max_vertices {
                 return;
             }
-            let Some(next) = self.scatter(&vertex, i, &mut survival, sampler) else {
+            let Some(next) = self.scatter(&vertex, i, &mut rr_throughput, sampler) else {
                 return;
             };
             step = next;
@@ -225,7 +226,7 @@ impl Walk<'_> {
                 PartialMis::after_lens(vertex.density(step.pdf, direction, distance_squared))
             }
             StepKind::Light { sample } => {
-                // Densities of directions from infinity are per unit area already.
+                // For light from infinity the density is already per unit area.
                 let (distance_squared, jacobian) = if sample.infinite {
                     (1.0, 1.0)
                 } else {
@@ -260,7 +261,7 @@ impl Walk<'_> {
         &self,
         vertex: &Vertex,
         i: usize,
-        survival: &mut Rgb,
+        rr_throughput: &mut Rgb,
         sampler: &mut S,
     ) -> Option<Step> {
         let block = match self.mode {
@@ -278,27 +279,27 @@ impl Walk<'_> {
         let cos = vertex.abs_cos(direction);
         let mut weight = sample.weight;
         if self.mode == TransportMode::Importance && !planted(Fault::AdjointLeftOut) {
-            // Adjoint for shading normals (Veach 1997, eq. 5.19).
-            let sampled = if sample.direction.z == 0.0 {
+            // Adjoint BSDF for shading normals (Veach 1997, eq. 5.19).
+            let cos_ratio = if sample.direction.z == 0.0 {
                 0.0
             } else {
                 cos / sample.direction.z
             };
-            weight *= vertex.shading_over_geometric_cos(from.z) * sampled.abs();
+            weight *= vertex.shading_over_geometric_cos(from.z) * cos_ratio.abs();
         }
-        // The throughput of a camera subpath shrinks by 1/eta^2 on entering a denser medium and grows back
-        // on leaving it. Russian roulette must not treat that as absorption.
-        *survival *= match self.mode {
+        // The throughput of a camera subpath is scaled by 1/eta^2 where the path enters a denser medium,
+        // and by eta^2 where it leaves it. Russian roulette must not treat this as absorption.
+        *rr_throughput *= match self.mode {
             TransportMode::Radiance => weight * (sample.eta * sample.eta),
             TransportMode::Importance => weight,
         };
         if i >= self.scene.depth.rr_depth as usize {
-            let q = survival.max_element().min(max_survival(i));
+            let q = rr_throughput.max_element().min(max_survival(i));
             if roulette >= q {
                 return None;
             }
             weight /= q;
-            *survival /= q;
+            *rr_throughput /= q;
         }
         let throughput = vertex.throughput * weight;
         if throughput == Rgb::ZERO {
@@ -325,7 +326,7 @@ impl Walk<'_> {
         })
     }
 
-    /// The vertex at infinity at the end of `step`: densities there are per steradian.
+    /// The vertex at infinity at the end of `step`. Its density is per steradian.
     #[inline]
     fn leave(&self, step: &Step) -> EnvironmentVertex {
         let mis = match (&step.kind, self.subpath.vertices.last()) {

@@ -14,16 +14,16 @@ pub struct Vertex {
     pub surface: SurfacePoint,
     /// Index of its material.
     pub material: u32,
-    /// Unit, to the previous vertex of the subpath, in world coordinates.
+    /// Unit direction to the previous vertex of the subpath, in world coordinates.
     pub to_previous: Vec3A,
-    /// Veach's alpha: on a camera subpath importance over the density of having made it, on a light
-    /// subpath radiance over that density.
+    /// Veach's alpha: importance over the density of a camera subpath, or radiance over the density of a
+    /// light subpath.
     pub throughput: Rgb,
-    /// Partial sums for the weights of techniques.
+    /// Partial sums for MIS weights.
     pub mis: PartialMis,
 }
 
-/// BsdfEvaluation at a vertex between its predecessor and the direction of a connection.
+/// The BSDF at a vertex, evaluated for the directions to its predecessor and to a connected vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
     /// f times the cosines that the geometric term leaves to this vertex: for a camera vertex
@@ -47,22 +47,22 @@ impl Scatter {
 }
 
 impl Vertex {
-    /// The point from which directions to this vertex are measured.
+    /// Position, from which directions and distances are measured.
     #[inline]
     pub fn position(&self) -> Vec3A {
         self.surface.position
     }
 
-    /// The factor that the geometric term G has at this vertex: the cosine between `direction` (unit)
+    /// The factor of this vertex in the geometric term G: the absolute cosine between `direction` (unit)
     /// and the geometric normal.
     #[inline]
     pub fn abs_cos(&self, direction: Vec3A) -> f32 {
         self.surface.geometric_normal.dot(direction).abs()
     }
 
-    /// Density of this vertex in its own measure (per unit area), from the density `pdf` per steradian
-    /// of the direction toward it, sampled at the square root of `distance_squared` from it (pbrt, 4th
-    /// ed., section 13.2.2 "Integrals over area").
+    /// Density of this vertex per unit area. `pdf` is the density per steradian of the direction toward
+    /// it, sampled at a point whose squared distance is `distance_squared` (pbrt, 4th ed., section 13.2.2
+    /// "Integrals over area").
     #[inline]
     pub fn density(&self, pdf: f64, direction: Vec3A, distance_squared: f64) -> f64 {
         pdf * f64::from(self.abs_cos(direction)) / distance_squared
@@ -74,8 +74,8 @@ impl Vertex {
         scene.materials[self.material as usize].is_connectible()
     }
 
-    /// Scatters between the predecessor and `direction` (unit, world): `mode` is that of the
-    /// subpath.
+    /// Evaluates the BSDF for the predecessor and `direction` (unit, world coordinates). `mode` is that
+    /// of the subpath.
     #[inline]
     pub fn scatter(&self, scene: &Scene, direction: Vec3A, mode: TransportMode) -> Scatter {
         let surface = &self.surface;
@@ -113,8 +113,8 @@ impl Vertex {
         }
     }
 
-    /// |w_i . N_s| / |w_i . N_g| for the direction to the previous vertex, whose cosine with the
-    /// shading normal is given: 1 without shading normals.
+    /// |w_i . N_s| / |w_i . N_g| for the direction w_i to the previous vertex, where `shading_cos` is
+    /// w_i . N_s. It is 1 without shading normals.
     #[inline]
     pub fn shading_over_geometric_cos(&self, shading_cos: f32) -> f32 {
         let geometric_cos = self.surface.geometric_normal.dot(self.to_previous);

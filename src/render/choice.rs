@@ -1,4 +1,4 @@
-//! The choice of an integrator for a scene, by a pilot.
+//! The choice between bidirectional path tracing and multiplexed Metropolis for a scene, by a pilot.
 
 use std::time::Instant;
 
@@ -7,21 +7,22 @@ use super::{Integrator, Observer, Settings, in_pool};
 use crate::analysis::{Loss, LostLight};
 use crate::scene::{RayCounts, Scene};
 
-/// Chains are chosen if the expected ratio of errors exceeds this: independent samples are simpler.
+/// Chains are chosen if the expected ratio of errors exceeds this. Otherwise independent samples are
+/// preferred, because they are simpler.
 const MIN_GAIN: f64 = 1.05;
 
-/// An integrator, and why.
+/// The chosen integrator, and the reasons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// [`Integrator::Bdpt`], or [`Integrator::Mmlt`] with the plan of the pilot.
     pub integrator: Integrator,
     /// Expected error of `bdpt` over that of `mmlt` at equal time.
     pub gain: f64,
-    /// Some light is found only by rare and bright paths.
+    /// True if some light is found only by rare and bright paths.
     pub rare_light: bool,
     /// Samples of the pilot.
     pub samples: u64,
-    /// Seconds that it took.
+    /// Duration of the choice in seconds.
     pub seconds: f64,
 }
 
@@ -49,16 +50,16 @@ impl Choice {
     }
 }
 
-/// Lets a pilot choose between bidirectional path tracing and multiplexed Metropolis with settings `own`,
-/// by the error that each is expected to leave at equal time; `lost` is the light that neither finds well.
-/// It takes a few per cent of a budget of time. The render goes on with the plan of the pilot.
+/// Runs a pilot and chooses between bidirectional path tracing and multiplexed Metropolis with
+/// `method_settings`, by the expected error of each at equal time. `lost` is the light that neither finds
+/// well. The pilot takes a few per cent of a time budget, and the render reuses its plan.
 ///
 /// # Errors
 /// If the threads cannot be started.
 pub fn choose(
     scene: &Scene,
     settings: &Settings,
-    own: &MmltSettings,
+    method_settings: &MmltSettings,
     lost: &[LostLight],
     observer: &dyn Observer,
 ) -> Result<Choice, rayon::ThreadPoolBuildError> {
@@ -66,7 +67,7 @@ pub fn choose(
     observer.phase("choosing");
     in_pool(settings.threads, || {
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
-        let plan = Plan::new(scene, settings.seed, own, is_over);
+        let plan = Plan::new(scene, settings.seed, method_settings, is_over);
         let gain = plan.clamp.gain.powi(2);
         let rare_light = lost.iter().any(|lost| lost.loss == Loss::Nearly);
         let samples = plan.samples;
@@ -78,7 +79,7 @@ pub fn choose(
             };
             Integrator::Mmlt(MmltSettings {
                 plan: Some(plan),
-                ..own.clone()
+                ..method_settings.clone()
             })
         } else {
             Integrator::Bdpt

@@ -1,34 +1,35 @@
-//! Budgets: how much is done, how long the rest takes, and when to stop.
+//! Budgets: the fraction of the work that is done, the remaining time, and when to stop.
 
 use std::time::{Duration, Instant};
 
 use super::{Budget, Observer, Progress};
 use crate::film::Image;
 
-/// Keeps the budget of a phase whose work is counted in samples.
+/// Tracks the budget of a phase whose work is counted in samples.
 pub(super) struct Clock<'a> {
     start: Instant,
-    /// Time since then that does not count.
+    /// Time since `start` that was spent on snapshots and is not counted.
     paused: Duration,
-    /// Seconds since `start` at which the counted work began.
+    /// Seconds from `start` to the beginning of this phase.
     began: f64,
     limit: Limit,
-    /// The part of the work that is done by the error of the image.
-    noted: f64,
+    /// Fraction of the work that is done, as estimated from the error of the image.
+    error_fraction: f64,
     observer: &'a dyn Observer,
 }
 
 enum Limit {
     /// Total number of samples.
     Samples(u64),
-    /// The second at which to stop.
+    /// Seconds since the start at which to stop.
     Seconds(f64),
-    /// Only what is noted.
+    /// No limit but a target error.
     None,
 }
 
 impl<'a> Clock<'a> {
-    /// For work of `pixels` times the samples per pixel of `budget`; seconds count from `start`.
+    /// A clock for `pixels` times the samples per pixel of `budget`, or for its seconds, counted from
+    /// `start`.
     pub fn new(start: Instant, budget: Budget, pixels: u64, observer: &'a dyn Observer) -> Self {
         let limit = match budget {
             Budget::SamplesPerPixel(n) => Limit::Samples(n.saturating_mul(pixels)),
@@ -40,17 +41,18 @@ impl<'a> Clock<'a> {
             paused: Duration::ZERO,
             began: start.elapsed().as_secs_f64(),
             limit,
-            noted: 0.0,
+            error_fraction: 0.0,
             observer,
         }
     }
 
-    /// Records that this part of the work seems to be done, whatever the budget is; 1 ends the phase.
-    pub fn note(&mut self, fraction: f64) {
-        self.noted = fraction;
+    /// Sets the fraction of the work that is done as estimated from the error; 1 ends the phase, for any
+    /// budget.
+    pub fn set_error_fraction(&mut self, fraction: f64) {
+        self.error_fraction = fraction;
     }
 
-    /// Number of samples of the whole work, unless time decides.
+    /// Total number of samples, if the budget is a number of samples.
     pub fn total_samples(&self) -> Option<u64> {
         match self.limit {
             Limit::Samples(n) => Some(n),
@@ -58,8 +60,8 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// Number of samples of the next block, after `done` samples: `block`, or fewer where a budget of time
-    /// could not be kept otherwise. With a budget of samples it does not depend on time.
+    /// Number of samples of the next block, after `done` samples: `block`, or fewer if a time budget would
+    /// be exceeded otherwise. It does not depend on time if the budget is a number of samples.
     pub fn block(&self, done: u64, block: u64) -> u64 {
         match self.limit {
             Limit::Samples(_) | Limit::None => block,
@@ -80,14 +82,14 @@ impl<'a> Clock<'a> {
         let spent = match self.limit {
             Limit::Samples(n) if done >= n => 1.0,
             Limit::Samples(n) => done as f64 / n as f64,
-            // A render without any sample would be a black image, however late it is.
+            // At least one block is sampled, even if it is late: without samples the image is black.
             Limit::Seconds(_) if done == 0 => 0.0,
             Limit::Seconds(seconds) => self.elapsed() / seconds,
             Limit::None => 0.0,
         };
-        let fraction = spent.max(self.noted).min(1.0);
+        let fraction = spent.max(self.error_fraction).min(1.0);
         let left = match self.limit {
-            Limit::Seconds(seconds) if self.noted == 0.0 => seconds - self.elapsed(),
+            Limit::Seconds(seconds) if self.error_fraction == 0.0 => seconds - self.elapsed(),
             _ => self.working_seconds() * (1.0 / fraction - 1.0),
         };
         let known = done > 0 && left.is_finite();
@@ -96,8 +98,8 @@ impl<'a> Clock<'a> {
         fraction >= 1.0 || self.observer.interrupted()
     }
 
-    /// Gives the observer a snapshot, the image that `resolve` makes, if it wants one after `samples`
-    /// samples and `rays` rays. The time for both does not count.
+    /// Passes a snapshot to the observer, if it wants one after `samples` samples and `rays` rays. `resolve`
+    /// returns the image. The time of `resolve` and of the observer is not counted.
     pub fn show(&mut self, samples: u64, rays: u64, resolve: impl FnOnce() -> Image) {
         let progress = Progress {
             seconds: self.elapsed(),
@@ -112,7 +114,7 @@ impl<'a> Clock<'a> {
     }
 
     /// True if the observer cancelled a render of `samples` samples before its budget was spent.
-    pub fn was_cut_short(&self, samples: u64) -> bool {
+    pub fn was_cancelled(&self, samples: u64) -> bool {
         self.observer.interrupted() && self.total_samples().is_none_or(|n| samples < n)
     }
 
@@ -124,11 +126,12 @@ impl<'a> Clock<'a> {
             .as_secs_f64()
     }
 
-    /// Seconds since the start at which the counted work began.
+    /// Seconds from the start of the render to the beginning of this phase.
     pub fn began(&self) -> f64 {
         self.began
     }
 
+    /// Seconds of this phase.
     fn working_seconds(&self) -> f64 {
         self.elapsed() - self.began
     }

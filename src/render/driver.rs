@@ -1,4 +1,4 @@
-//! What all drivers have in common: work in blocks until the budget is spent, or until the error is small
+//! The loop common to all drivers: blocks of samples until the budget is spent or the error is small
 //! enough.
 
 use super::clock::Clock;
@@ -6,7 +6,7 @@ use super::error::{ErrorEstimate, TargetError};
 use crate::film::Image;
 use crate::scene::RayCounts;
 
-/// A method at work.
+/// The state of a render.
 pub(super) trait Driver {
     /// Takes a block of samples, or of mutations, of about the size that `clock` suggests.
     fn advance(&mut self, clock: &Clock);
@@ -22,7 +22,7 @@ pub(super) trait Driver {
     /// Rays so far.
     fn rays(&self) -> RayCounts;
 
-    /// True if the image is worth a look: every pixel has had a chance of light.
+    /// True if the image can be shown: every pixel may have received light.
     fn has_image(&self) -> bool {
         true
     }
@@ -35,11 +35,11 @@ pub(super) trait Driver {
     /// The image so far.
     fn image(&mut self) -> Image;
 
-    /// The error of `image`, if it is wanted and known.
+    /// The error of `image`, if it is requested and can be estimated.
     fn error(&self, image: &Image) -> Option<ErrorEstimate>;
 }
 
-/// Lets `driver` work until `clock` says that the budget is spent.
+/// Advances `driver` until the budget of `clock` is spent or `target` is reached.
 pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: TargetError) {
     while driver.can_advance() && !clock.is_over(driver.samples()) {
         driver.advance(clock);
@@ -49,7 +49,7 @@ pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: Tar
         if driver.has_error() && target.is_due(samples) {
             let image = driver.image();
             let error = driver.error(&image);
-            clock.note(error.map_or(0.0, |error| target.check(samples, &error)));
+            clock.set_error_fraction(error.map_or(0.0, |error| target.check(samples, &error)));
         }
 
         // Show the image so far.

@@ -1,5 +1,5 @@
-//! Standard errors of an image, from the spread of independent parts of its samples, and when a target
-//! error is reached.
+//! Standard errors of an image, from the spread of independent parts of its samples, and the check of a
+//! target error.
 
 use std::ops::Range;
 
@@ -18,26 +18,27 @@ pub struct ErrorEstimate {
     pub standard_errors: Vec<[f32; 3]>,
     /// Expected [`crate::metrics::relative_mse`] of the image.
     pub relative_mse: f64,
-    /// Independent parts of the samples whose spread was measured: passes over all pixels, or groups
-    /// of chains. Each standard error has one degree of freedom less.
+    /// Number of independent parts of the samples whose spread was measured: passes over all pixels, or
+    /// groups of chains. The standard errors have `parts` - 1 degrees of freedom.
     pub parts: u64,
-    /// Share of pixels whose variance comes nearly all from one part: the paths that this part has found
-    /// are so rare that others like them are probably still missing, and true errors are larger.
+    /// Share of pixels whose variance comes almost entirely from one part. The paths that this part found
+    /// are so rare that similar paths are probably still missing, and the true errors are larger.
     pub single: f64,
 }
 
 /// Variance of a pixel, per channel.
 struct PixelVariance {
     variance: [f64; 3],
-    /// The largest share of it that one part has.
+    /// The largest share of the variance, summed over channels, that one part has.
     largest_share: f64,
 }
 
 impl ErrorEstimate {
-    /// Where [`Self::single`] is greater, errors are probably larger than estimated, which is a warning.
+    /// Maximum of [`Self::single`] without a warning. If it is exceeded, errors are probably larger than
+    /// estimated.
     pub const MAX_SINGLE: f64 = 0.05;
 
-    /// A part with more than this share of the variance stands alone: of 16 normal deviates the largest
+    /// A part with more than this share of the variance dominates it: of 16 normal deviates, the largest
     /// has a greater share with probability 10^-8.
     const MAX_SHARE: f64 = 0.8;
 
@@ -58,7 +59,7 @@ impl ErrorEstimate {
 
 /// When to check the error, and whether it is small enough.
 pub(super) struct TargetError {
-    /// The relMSE asked for.
+    /// The target relMSE.
     error: Option<f64>,
     pixels: u64,
     /// Samples at which to check next.
@@ -66,8 +67,8 @@ pub(super) struct TargetError {
 }
 
 impl TargetError {
-    /// Samples per pixel before the first check: with fewer an image that has missed its rare bright
-    /// paths seems converged.
+    /// Samples per pixel before the first check. With fewer samples, an image that lacks its rare bright
+    /// paths would seem converged.
     const FIRST_CHECK: u64 = 16;
 
     pub fn new(settings: &Settings, pixels: u64) -> Self {
@@ -78,14 +79,15 @@ impl TargetError {
         }
     }
 
-    /// True if the error is wanted after `done` samples. Checks are few, each after a tenth more samples:
-    /// the more often one checks, the likelier one stops at an estimate that is too low.
+    /// True if the error is to be checked after `done` samples. The number of samples grows by a tenth
+    /// between checks: frequent checks make it more likely to stop at an estimate that is too low.
     pub fn is_due(&self, done: u64) -> bool {
         self.error.is_some() && done >= self.next
     }
 
-    /// Checks the error after `done` samples. Returns the part of the work that seems to be done, as the
-    /// error falls as one over the number of samples: 1 if the target is reached.
+    /// Checks the error after `done` samples. Returns the estimated fraction of the work that is done: 1 if
+    /// the target is reached, otherwise target over relMSE, because relMSE falls as one over the number of
+    /// samples.
     pub fn check(&mut self, done: u64, estimate: &ErrorEstimate) -> f64 {
         self.next = (done + done / 10).max(done + self.pixels);
         match self.error {
@@ -95,10 +97,11 @@ impl TargetError {
     }
 }
 
-/// Variance of the pixels of a Monte Carlo image, from its passes: in each every pixel is sampled
-/// once, so passes are independent images with one distribution. The contribution of a pass to a pixel
-/// has its camera sample and all splats that land there, so that their covariance is included.
+/// Variance of the pixels of a Monte Carlo image, from its passes. A pass samples every pixel once, so
+/// passes are independent, identically distributed images. The contribution of a pass to a pixel is the sum
+/// of its camera sample and of all splats there, so that their covariance is included.
 pub(super) struct PassVariance {
+    /// Number of passes.
     count: u64,
     pixels: Vec<PassSums>,
 }
@@ -107,9 +110,9 @@ pub(super) struct PassVariance {
 #[derive(Clone, Copy, Default)]
 struct PassSums {
     sum: [f64; 3],
-    /// Squared deviations from the mean.
+    /// Sum of squared deviations from the mean.
     squares: [f64; 3],
-    /// The greatest contribution of a pass, all channels together.
+    /// The greatest contribution of a pass, summed over channels.
     greatest: f64,
 }
 
@@ -123,7 +126,7 @@ impl PassSums {
     }
 }
 
-/// 0/0 = 0: without variance no part has a share.
+/// `part` over `whole`, where 0/0 = 0: no part has a share of zero variance.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
@@ -136,8 +139,9 @@ impl PassVariance {
         }
     }
 
-    /// Adds a pass, after all before it: `mean` gives the image so far, pixel by pixel. The contribution of
-    /// the pass is the difference to the sums before: rounding matters as little as in the film's sums.
+    /// Adds the next pass; `mean` returns a pixel of the image so far. The contribution of the pass is the
+    /// difference from the previous sum, with the same rounding errors as the sums of the film. Squared
+    /// deviations are updated by Welford's recurrence (Welford 1962).
     pub fn add(&mut self, mean: impl Fn(usize) -> [f64; 3] + Sync) {
         self.count += 1;
         let n = self.count as f64;
@@ -157,8 +161,8 @@ impl PassVariance {
         });
     }
 
-    /// The error of `image`; `None` before the second pass. Samples of an unfinished pass count for
-    /// nothing, so the estimate is then a little high.
+    /// The error of `image`; `None` before the second pass. Samples of an incomplete pass are ignored, so
+    /// the estimate is then slightly high.
     pub fn estimate(&self, image: &Image) -> Option<ErrorEstimate> {
         if self.count < 2 {
             return None;
@@ -169,17 +173,17 @@ impl PassVariance {
     }
 }
 
-/// Independent groups of Markov chains: the spread of what they give is the error of the image,
-/// however strongly the states of a chain depend on each other.
+/// Independent groups of Markov chains. The spread of their images gives the error of the image, for any
+/// correlation of the states within a chain.
 ///
 /// Group g with m_g of all M mutations has the image s_g/m_g, s_g being its splats with the weights
 /// (c + l)/(I/b_0 + p). It also has its own estimate b_g of b, from its part of the bootstrap and its
 /// own large steps. The final image has the factor b/b_0 on its chain part A (see
-/// [`super::pssmlt`]), so to first order group g stands for the image
+/// [`super::pssmlt`]), so to first order the image of group g is
 ///
 ///   X_g = s_g/m_g + A (b_g - b_0)/b_0,
 ///
-/// and the image for their mean, weighted by w_g = m_g/M. Its variance is estimated by
+/// and the final image is their mean, weighted by w_g = m_g/M. Its variance is estimated by
 /// G/(G - 1) sum_g w_g^2 (X_g - mean)^2.
 pub(super) struct Groups {
     films: Vec<SplatFilm>,
@@ -194,10 +198,11 @@ pub(super) struct GroupWork {
 }
 
 impl Groups {
-    /// Most groups: the standard errors have 15 degrees of freedom, for the memory of 16 films.
+    /// Maximum number of groups: the standard errors have 15 degrees of freedom, at the cost of the memory
+    /// of 16 films.
     const MAX: usize = 16;
 
-    /// For `chains` chains; each group has a film like `film`, black.
+    /// Groups for `chains` chains. `film` is a black film, which is copied for each group.
     pub fn new(chains: usize, film: &SplatFilm) -> Self {
         Self {
             films: vec![film.clone(); chains.min(Self::MAX)],
@@ -209,8 +214,8 @@ impl Groups {
         self.films.len()
     }
 
-    /// Those of all `chains` that are in group `g`: neighbours, which start at neighbouring bootstrap
-    /// samples, so that chains from one start are in one group as far as possible.
+    /// The chains of group `g`, out of all `chains`. They are neighbours: neighbouring chains start at
+    /// neighbouring bootstrap samples, so chains with the same start are in the same group if possible.
     pub fn chains_of(&self, g: usize, chains: usize) -> Range<usize> {
         chains * g / self.len()..chains * (g + 1) / self.len()
     }
@@ -236,11 +241,11 @@ impl Groups {
         b_0: f64,
         chain_part: impl Fn(usize) -> [f64; 3] + Sync,
     ) -> Option<ErrorEstimate> {
-        let at_work = || {
+        let active = || {
             let films = self.films.iter().zip(work);
             films.filter(|(_, work)| work.mutations > 0)
         };
-        let groups = at_work().count() as f64;
+        let groups = active().count() as f64;
         if groups < 2.0 {
             return None;
         }
@@ -249,8 +254,7 @@ impl Groups {
             let (chain, mut parts) = (chain_part(i), [[0.0; 3]; Self::MAX]);
             let mut mean = [0.0; 3];
             let mut weights = [0.0; Self::MAX];
-            for ((part, weight), (film, work)) in parts.iter_mut().zip(&mut weights).zip(at_work())
-            {
+            for ((part, weight), (film, work)) in parts.iter_mut().zip(&mut weights).zip(active()) {
                 let (sum, mutations) = (film.sum(i), work.mutations as f64);
                 *weight = mutations / all as f64;
                 for c in 0..3 {

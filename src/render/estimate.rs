@@ -1,7 +1,7 @@
-//! The image of a pass loop in the making.
+//! The image that a pass loop accumulates.
 //!
-//! The camera samples of a pixel are placed by its reconstruction filter and averaged; splats of
-//! technique t = 1 land anywhere and are divided by the number of samples of the whole film (Veach
+//! The camera samples of a pixel are distributed by its reconstruction filter and averaged. Splats of
+//! technique t = 1 may land on any pixel, and are divided by the number of samples of the whole film (Veach
 //! 1997, section 10.3.4).
 
 use super::error::{ErrorEstimate, PassVariance};
@@ -15,10 +15,11 @@ use crate::scene::Scene;
 /// The splats of a tile's samples.
 #[derive(Default)]
 pub(super) struct TileSplats {
-    /// Those of the last sample.
+    /// Splats of the last sample.
     pub last: SplatList,
-    /// Light at the pixels of the tile.
+    /// Light of techniques t > 1, one value for each pixel of the tile.
     pixels: Vec<[f64; 3]>,
+    /// Splats of technique t = 1.
     light_image: SplatLog,
     /// Pixels whose sample had contributions that were not finite, and their number.
     non_finite: Vec<(u64, u64)>,
@@ -33,7 +34,7 @@ impl TileBuffer for TileSplats {
 }
 
 impl TileSplats {
-    /// Adds the splats in `last`, those of the sample of `pixel`.
+    /// Adds the splats in `last`, which belong to the sample of `pixel`.
     #[inline]
     pub fn add_last(&mut self, pixel: u64) {
         self.pixels.push(self.last.pixel.as_dvec3().to_array());
@@ -50,7 +51,7 @@ impl TileSplats {
 pub(super) struct ImageEstimate {
     size: [usize; 2],
     film: Film,
-    /// Present if the error is wanted.
+    /// Present if the error is requested.
     variance: Option<PassVariance>,
     pub non_finite: NonFinite,
 }
@@ -90,7 +91,7 @@ impl ImageEstimate {
         self.film.value(pixel, 1.0 / samples.max(1) as f64)
     }
 
-    /// Records a pass for the error, if that is wanted: `value` gives the image so far, pixel by pixel.
+    /// Records a pass for the error, if requested. `value` returns a pixel of the image so far.
     pub fn end_pass(&mut self, value: impl Fn(&Self, usize) -> [f64; 3] + Sync) {
         if let Some(mut variance) = self.variance.take() {
             variance.add(|pixel| value(self, pixel));
@@ -98,7 +99,7 @@ impl ImageEstimate {
         }
     }
 
-    /// The image of these values.
+    /// The image whose pixels are given by `value`.
     pub fn image(&self, value: impl Fn(usize) -> [f64; 3]) -> Image {
         let [width, height] = self.size;
         Image {
@@ -108,19 +109,19 @@ impl ImageEstimate {
         }
     }
 
-    /// The error of `image`, if it is wanted and known.
+    /// The error of `image`, if it is requested and can be estimated.
     pub fn error(&self, image: &Image) -> Option<ErrorEstimate> {
         self.variance.as_ref()?.estimate(image)
     }
 
-    /// What the user should know about an image of `samples` samples.
+    /// Warnings about an image of `samples` samples.
     pub fn warnings(
         &self,
         settings: &Settings,
         samples: u64,
         error: Option<&ErrorEstimate>,
     ) -> Vec<Warning> {
-        // Light tracing splats everywhere: no pixel needs a sample of its own.
+        // Every sample of light tracing may contribute to every pixel, so no pixel needs its own.
         let pixels = self.size[0] as u64 * self.size[1] as u64;
         let unsampled = match settings.method() {
             Method::Light => None,

@@ -37,6 +37,7 @@ pub(super) fn render<P: PathSampler>(
     driver.finish(settings, &clock)
 }
 
+/// The state of a render.
 struct Independent<'a, P> {
     scene: &'a Scene,
     path_sampler: P,
@@ -102,7 +103,7 @@ impl<P: PathSampler> Independent<'_, P> {
         Rendering {
             image,
             error,
-            interrupted: clock.was_cut_short(samples),
+            interrupted: clock.was_cancelled(samples),
             statistics: Statistics::new(
                 self.scene,
                 settings,

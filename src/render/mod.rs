@@ -1,5 +1,5 @@
-//! Drivers: each decides how the point of the hypercube moves, pairs that with a path sampler, keeps to a
-//! budget, and adds the splats to a film.
+//! Drivers: each chooses points of the hypercube, evaluates a path sampler there, and adds the splats to a
+//! film until the budget is spent.
 //!
 //! ```
 //! use metrolight::render::{Budget, Integrator, PssmltSettings, Settings, Unobserved, render};
@@ -51,10 +51,10 @@ pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies};
 pub use target::SplatTarget;
 pub use warnings::Warning;
 
-/// How far a render is.
+/// Progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Seconds of rendering so far, without those in which the observer had a snapshot.
+    /// Seconds of rendering so far, excluding the time spent on snapshots.
     pub seconds: f64,
     /// Path samples, or mutations.
     pub samples: u64,
@@ -95,18 +95,18 @@ impl Observer for Unobserved {
 pub struct Rendering {
     /// Linear RGB radiance, W/(m^2 sr) in the units of the scene.
     pub image: Image,
-    /// Its error, if it was asked for and could be estimated.
+    /// Its error, if requested and if it could be estimated.
     pub error: Option<ErrorEstimate>,
     /// Samples, rays, times.
     pub statistics: Statistics,
     /// The observer cancelled the render before its budget was spent.
     pub interrupted: bool,
-    /// What limits the image.
+    /// Reasons to distrust the image, or to render for longer.
     pub warnings: Vec<Warning>,
 }
 
-/// Renders `scene`. The image depends on the scene and the settings alone, to the bit, whatever the
-/// number of threads, unless the budget is one of time or the observer cancels.
+/// Renders `scene`. The same scene and settings give a bit-identical image, for any number of threads,
+/// unless the budget is a time or the observer cancels.
 ///
 /// # Errors
 /// If the threads cannot be started.
@@ -119,10 +119,16 @@ pub fn render(
         Integrator::Path => independent::render(scene, PathTracer, settings, observer),
         Integrator::Light => independent::render(scene, LightTracer, settings, observer),
         Integrator::Bdpt => independent::render(scene, BidirectionalPathTracer, settings, observer),
-        Integrator::Pssmlt(own) => {
-            pssmlt::render(scene, BidirectionalPathTracer, settings, own, observer)
+        Integrator::Pssmlt(method_settings) => pssmlt::render(
+            scene,
+            BidirectionalPathTracer,
+            settings,
+            method_settings,
+            observer,
+        ),
+        Integrator::Mmlt(method_settings) => {
+            mmlt::render(scene, settings, method_settings, observer)
         }
-        Integrator::Mmlt(own) => mmlt::render(scene, settings, own, observer),
     })?;
     let black = rendering
         .image
@@ -136,7 +142,7 @@ pub fn render(
     Ok(rendering)
 }
 
-/// Runs `work` on so many threads, or on one per core.
+/// Runs `work` on `threads` threads, or on one per core.
 fn in_pool<R: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> R + Send,

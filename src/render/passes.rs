@@ -1,4 +1,4 @@
-//! The pass loop: one sample of every pixel in each pass, tile by tile.
+//! The pass loop: each pass takes one sample of every pixel, tile by tile.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use crate::scene::{RayCounts, Scene};
 /// Pixels of one tile.
 const TILE: u64 = 256;
 
-/// Tiles that are sampled at once, if a pass has so many, so that no thread waits.
+/// Minimum number of tiles sampled in parallel, unless the pass ends, so that no thread is idle.
 const MIN_TILES: u64 = 8;
 
 /// Samples between two checks of the clock.
 const BLOCK: u64 = 1 << 16;
 
-/// Consecutive pixels, one sample each.
+/// Consecutive pixels, with one sample each.
 pub(super) struct Tile {
     /// The pass.
     pub pass: u64,
@@ -33,23 +33,26 @@ impl Tile {
     }
 }
 
-/// Memory of a tile, used again for later ones.
+/// The results of the samples of a tile. The memory is reused for later tiles.
 pub(super) trait TileBuffer: Default + Send + Sync {
-    /// Removes everything.
+    /// Removes all results.
     fn clear(&mut self);
 }
 
-/// The state of the loop. The samples depend on scene and seed alone.
+/// The state of the loop. The samples depend only on the scene and the seed.
 pub(super) struct PassLoop<B> {
     samples: PixelSamples,
     tiles_per_pass: u64,
+    /// Index of the next tile, counted from the first pass on.
     next_tile: u64,
+    /// Memory for the tiles of a block.
     buffers: Vec<(Workspace, B)>,
+    /// Samples taken.
     done: u64,
 }
 
 impl<B: TileBuffer> PassLoop<B> {
-    /// At the beginning of the first pass.
+    /// A loop at the start of the first pass.
     pub fn new(scene: &Scene, seed: u64) -> Self {
         let samples = PixelSamples::new(scene, seed);
         Self {
@@ -61,14 +64,14 @@ impl<B: TileBuffer> PassLoop<B> {
         }
     }
 
-    /// Takes the next samples, about as many as `clock` suggests, in parallel: `sample` is given each
-    /// pixel and its sample. Returns the tiles in their order, with what their samples left in the buffer.
+    /// Takes the next samples in parallel, about as many as `clock` suggests. `sample` is called for each
+    /// pixel with its sampler and the buffer of its tile. Returns the tiles in order, with their buffers.
     pub fn advance(
         &mut self,
         clock: &Clock,
         sample: impl Fn(u64, &mut PixelSampler, &mut Workspace, &mut B) + Sync,
     ) -> Vec<(Tile, &B)> {
-        // A block has whole tiles, all of one pass.
+        // A block consists of whole tiles of one pass.
         let left_in_pass = self.tiles_per_pass - self.next_tile % self.tiles_per_pass;
         let block = clock.block(self.done, BLOCK).div_ceil(TILE);
         let block = block.max(MIN_TILES).min(left_in_pass);
@@ -99,7 +102,7 @@ impl<B: TileBuffer> PassLoop<B> {
         tiles.into_iter().zip(buffers).collect()
     }
 
-    /// True if every pixel has equally many samples.
+    /// True if all pixels have the same number of samples.
     pub fn at_pass_end(&self) -> bool {
         self.next_tile.is_multiple_of(self.tiles_per_pass)
     }

@@ -1,4 +1,4 @@
-//! The samples of the pixels of an image, each with a name.
+//! Independent samples of the pixels of an image.
 
 use super::pixel_count;
 use crate::film::FilmSampler;
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 /// An independent sample whose film position is distributed by the filter of its pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSampler {
-    /// Film position: what takes the place of the first two dimensions.
+    /// Film position, which replaces the dimensions of [`dimensions::FILM`].
     film: [f32; 2],
     sample: IndependentSampler,
 }
@@ -36,7 +36,7 @@ impl Sampler for PixelSampler {
     }
 }
 
-/// Names the samples of a render: in each pass one for every pixel.
+/// The samples of a render, addressed by pass and pixel: one for every pixel in each pass.
 #[derive(Clone, Debug)]
 pub(super) struct PixelSamples {
     seed: u64,
@@ -45,7 +45,7 @@ pub(super) struct PixelSamples {
 }
 
 impl PixelSamples {
-    /// Those of a render of `scene` under `seed`.
+    /// The samples of a render of `scene` under `seed`.
     pub fn new(scene: &Scene, seed: u64) -> Self {
         let film = &scene.film;
         Self {

@@ -32,19 +32,19 @@ use crate::sampling::seeds;
 use crate::scene::{RayCounts, Scene};
 use crate::statistics::Moments;
 
-/// Mutations that a chain makes before the next one continues.
+/// Maximum number of mutations of a chain in one batch.
 const BATCH: u64 = 256;
 
 /// Mutations between two checks of the clock.
 const BLOCK: u64 = 1 << 16;
 
-/// Chains that make their batches at once, if there are so many.
+/// Minimum number of batches run in parallel, if there are as many chains.
 const MIN_WORKERS: u64 = 64;
 
 /// The bootstrap continues until b has this relative standard error, within its limits.
 const BOOTSTRAP_ERROR: f64 = 0.01;
 
-/// Bounds on the number of bootstrap samples, unless the user gives the number.
+/// Bounds on the number of bootstrap samples, unless the settings give the number.
 const BOOTSTRAP_SAMPLES: [u64; 2] = [1 << 17, 1 << 22];
 
 /// Renders the paths of `path_sampler` by Markov chains.
@@ -52,7 +52,7 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
     scene: &Scene,
     path_sampler: P,
     settings: &Settings,
-    own: &PssmltSettings,
+    method_settings: &PssmltSettings,
     observer: &dyn Observer,
 ) -> Rendering {
     let start = Instant::now();
@@ -61,12 +61,16 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
     // Estimate b from independent samples.
     observer.phase("bootstrap");
     let target = || SplatTarget::new(scene, path_sampler);
-    let (bootstrap, bootstrap_rays) = bootstrap(target, pixels, settings, own, start, observer);
+    let (bootstrap, bootstrap_rays) =
+        bootstrap(target, pixels, settings, method_settings, start, observer);
 
-    // Start every chain at one of them, chosen in proportion to its density.
+    // Start every chain at one of the samples, chosen in proportion to its density.
     observer.phase("mutating");
-    let starts = bootstrap.starts(own.chains as usize);
-    let mutations = Mutations::kelemen(own.large_step_probability, own.small_step);
+    let starts = bootstrap.starts(method_settings.chains as usize);
+    let mutations = Mutations::kelemen(
+        method_settings.large_step_probability,
+        method_settings.small_step,
+    );
     let generators = seeds::chain_generators(settings.seed, starts.len());
     let chains: Vec<Chain<SplatList>> = starts
         .par_iter()
@@ -101,7 +105,7 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
     let mut clock = Clock::new(start, settings.budget, pixels, observer);
     let target = TargetError::new(settings, pixels);
     drive(&mut driver, &mut clock, target);
-    driver.finish(settings, own, &clock)
+    driver.finish(settings, method_settings, &clock)
 }
 
 /// Takes bootstrap samples, and counts their rays.
@@ -109,13 +113,13 @@ fn bootstrap<'a, P: PathSampler>(
     target: impl Fn() -> SplatTarget<'a, P> + Sync,
     pixels: u64,
     settings: &Settings,
-    own: &PssmltSettings,
+    method_settings: &PssmltSettings,
     start: Instant,
     observer: &dyn Observer,
 ) -> (Bootstrap, RayCounts) {
-    let limits = bootstrap_limits(own.bootstrap, settings.budget, pixels);
-    // Of a budget of time the bootstrap may take a tenth, or half if its size was given.
-    let deadline = match (settings.budget, own.bootstrap) {
+    let limits = bootstrap_limits(method_settings.bootstrap, settings.budget, pixels);
+    // The bootstrap may take a tenth of a time budget, or half of it if the settings give its size.
+    let deadline = match (settings.budget, method_settings.bootstrap) {
         (Budget::Seconds(seconds), None) => 0.1 * seconds,
         (Budget::Seconds(seconds), Some(_)) => 0.5 * seconds,
         (Budget::SamplesPerPixel(_) | Budget::Unlimited, _) => f64::INFINITY,
@@ -139,14 +143,15 @@ fn bootstrap<'a, P: PathSampler>(
 }
 
 fn bootstrap_limits(samples: Option<u64>, budget: Budget, pixels: u64) -> BootstrapLimits {
-    let [least, most] = BOOTSTRAP_SAMPLES;
+    let [min, max] = BOOTSTRAP_SAMPLES;
     let (at_least, at_most, relative_error) = match (samples, budget) {
         (Some(n), _) => (n, n, 0.0),
-        (None, Budget::Seconds(_) | Budget::Unlimited) => (least, most, BOOTSTRAP_ERROR),
+        (None, Budget::Seconds(_) | Budget::Unlimited) => (min, max, BOOTSTRAP_ERROR),
         (None, Budget::SamplesPerPixel(n)) => {
-            // An eighth of the mutations, which refine b as well, but enough to start from.
-            let most = (n.saturating_mul(pixels) / 8).clamp(least, most);
-            (least, most, BOOTSTRAP_ERROR)
+            // At most an eighth of the number of mutations, because large steps refine b as well, but
+            // enough samples to start from.
+            let max = (n.saturating_mul(pixels) / 8).clamp(min, max);
+            (min, max, BOOTSTRAP_ERROR)
         }
     };
     BootstrapLimits {
@@ -156,6 +161,7 @@ fn bootstrap_limits(samples: Option<u64>, budget: Budget, pixels: u64) -> Bootst
     }
 }
 
+/// The state of a render: the chains and their films.
 struct Pssmlt<'a, P> {
     scene: &'a Scene,
     path_sampler: P,
@@ -166,17 +172,20 @@ struct Pssmlt<'a, P> {
     /// Bootstrap samples at which the chains started.
     starts: Vec<usize>,
     chains: Vec<Chain<SplatList>>,
+    /// First chain of the next block.
     next_chain: usize,
-    /// Splats with chain weights, and with large-step weights.
+    /// Splats with chain weights.
     chain_film: SplatFilm,
+    /// Splats with large-step weights.
     large_film: SplatFilm,
-    /// Present if the error is wanted.
+    /// Present if the error is requested.
     groups: Option<Groups>,
     workers: Vec<Worker<'a, P>>,
+    /// Mutations made by all chains.
     done: u64,
 }
 
-/// What one chain needs for a batch, kept apart so that batches run in parallel.
+/// The target and the splats of one batch. Each batch has its own, so that batches run in parallel.
 struct Worker<'a, P> {
     target: SplatTarget<'a, P>,
     chain_log: SplatLog,
@@ -184,7 +193,7 @@ struct Worker<'a, P> {
 }
 
 impl<P> Worker<'_, P> {
-    /// Logs a sample with the weight that it has gathered.
+    /// Logs a sample with its accumulated weight.
     #[inline]
     fn log(&mut self, weights: &KelemenWeights, sample: &Sample<SplatList>) {
         let [chain, large] = weights.factors(sample).map(|factor| factor as f32);
@@ -208,7 +217,8 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
     }
 
     fn advance(&mut self, clock: &Clock) {
-        // Choose the chains of the block: rather short batches than few chains, so that no thread waits.
+        // Choose the chains of the block: many chains with short batches if need be, so that no thread is
+        // idle.
         let block = clock.block(self.done, BLOCK);
         let workers = (block / BATCH).max(MIN_WORKERS);
         let batch = (block / workers).clamp(1, BATCH);
@@ -216,7 +226,7 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
         let chains = self.next_chain..(self.next_chain + workers as usize).min(count);
         self.next_chain = chains.end % count;
 
-        // Let each make a batch of mutations, in parallel.
+        // Run a batch of mutations of each chain, in parallel.
         let total = clock.total_samples();
         self.in_workers(chains, |i, chain, weights, worker| {
             let made = chain.counters.steps();
@@ -244,7 +254,7 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
         self.resolve()
     }
 
-    /// The spread of groups of chains.
+    /// Estimated from the spread of groups of chains.
     fn error(&self, image: &Image) -> Option<ErrorEstimate> {
         let groups = self.groups.as_ref()?;
         let group_work = |g| {
@@ -266,7 +276,7 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
 }
 
 impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
-    /// Adds the weight that every chain's state has gathered to the films.
+    /// Adds the accumulated weight of every chain's state to the films.
     fn flush(&mut self) {
         for first in (0..self.chains.len()).step_by(BATCH as usize) {
             let chains = first..(first + BATCH as usize).min(self.chains.len());
@@ -278,8 +288,8 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
         }
     }
 
-    /// Lets `work` use each of `chains` with a worker, in parallel, and adds what they log to the films,
-    /// in the order of the chains. `work` is given the chain's index and returns its number of mutations.
+    /// Calls `work` for each of `chains` in parallel, with the index of the chain and a worker, and adds the
+    /// logged splats to the films in the order of the chains. `work` returns its number of mutations.
     fn in_workers(
         &mut self,
         chains: std::ops::Range<usize>,
@@ -315,7 +325,7 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
         }
     }
 
-    /// Densities of all uniform samples: their mean is b.
+    /// Moments of the densities of all uniform samples, whose mean is b.
     fn uniform(&self) -> Moments {
         let chains = self.chains.iter();
         chains.fold(self.bootstrap.moments, |moments, chain| {
@@ -323,7 +333,7 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
         })
     }
 
-    /// The image, with b as it is known now and b_0 in the weights.
+    /// The image, with the current estimate of b, and b_0 in the weights.
     fn resolve(&self) -> Image {
         let per_mutation = 1.0 / self.done.max(1) as f64;
         let b_0 = self.weights.b;
@@ -346,19 +356,24 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
         }
     }
 
-    fn finish(mut self, settings: &Settings, own: &PssmltSettings, clock: &Clock) -> Rendering {
+    fn finish(
+        mut self,
+        settings: &Settings,
+        method_settings: &PssmltSettings,
+        clock: &Clock,
+    ) -> Rendering {
         let image = self.image();
         let uniform = self.uniform();
         let error = self.error(&image);
         let non_finite = self.non_finite();
         let seconds = [clock.elapsed(), clock.elapsed() - clock.began()];
         let chains = PssmltStatistics::new(
-            own.large_step_probability,
+            method_settings.large_step_probability,
             (self.bootstrap.moments.count, clock.began()),
             &uniform,
             self.chains.iter().map(|chain| &chain.counters),
         );
-        let interrupted = clock.was_cut_short(self.done);
+        let interrupted = clock.was_cancelled(self.done);
         let warnings = match (interrupted, self.done) {
             (true, 0) => Vec::new(),
             _ => warnings::non_finite(&non_finite)
@@ -408,7 +423,7 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
     }
 }
 
-/// Mutations that chain `i` of `chains` makes of `total`: as even as whole numbers allow.
+/// The number of mutations of chain `i` of `chains`, out of `total`. The numbers differ by at most 1.
 fn quota(total: u64, chains: u64, i: u64) -> u64 {
     total / chains + u64::from(i < total % chains)
 }

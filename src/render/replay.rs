@@ -1,4 +1,4 @@
-//! One sample of a render, made again and taken apart.
+//! Replay of a single sample of a render, with its subpaths and the contributions of its techniques.
 
 use super::pixel_sampler::PixelSamples;
 use super::{Integrator, MAX_CHAINS, Method, SampleId, Settings};
@@ -10,41 +10,40 @@ use crate::sampling::{Sampler, seeds};
 use crate::scene::Scene;
 use crate::technique::PathContribution;
 
-/// A sample with all that it is made of.
+/// A replayed sample.
 pub struct Replay<'a> {
     scene: &'a Scene,
     method: Method,
     /// The subpaths.
     pub workspace: Workspace,
-    /// The contribution of every technique.
+    /// The contributions of all techniques that found light.
     pub contributions: Vec<PathContribution>,
 }
 
-/// Why a sample cannot be made again.
+/// Why a sample cannot be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayError {
-    /// Independent samples of pixels are made by all integrators but `pssmlt`, whose samples are those of
-    /// a bootstrap and of chains.
-    #[error("the integrator {0} makes no such sample")]
+    /// Only `pssmlt` has samples of a bootstrap and of chains; all other integrators have samples of pixels.
+    #[error("the integrator {0} has no samples of this kind")]
     WrongIntegrator(&'static str),
-    /// The image is smaller.
-    #[error("the image has {0} pixels only: is its size that of the render?")]
+    /// The image has too few pixels.
+    #[error("the image has only {0} pixels: set the image size of the render")]
     NoSuchPixel(u64),
     /// No render has so many chains.
     #[error("a render has at most {MAX_CHAINS} chains")]
     NoSuchChain,
-    /// A chain starts at a sample with light.
-    #[error("bootstrap sample {0} has no light, so that no chain started from it")]
+    /// Chains start only at samples with light.
+    #[error("bootstrap sample {0} has no light, so no chain starts from it")]
     DarkStart(u64),
 }
 
 impl<'a> Replay<'a> {
-    /// Makes the sample again that a render of `scene` with these settings made under the name `sample`.
-    /// The integrator, the seed and, for a chain, its mutations matter.
+    /// Replays the sample `sample` of a render of `scene` with these settings. Only the integrator, the seed
+    /// and, for a chain, its mutations are used.
     ///
     /// # Errors
-    /// If the integrator makes no such samples, the image has no such pixel, or the chain could not
-    /// have started there.
+    /// If the integrator has no such samples, the image has no such pixel, or the chain cannot start at its
+    /// bootstrap sample.
     pub fn run(
         scene: &'a Scene,
         settings: &Settings,

@@ -1,17 +1,17 @@
-//! Names of samples, so that any can be made again.
+//! Identifiers of samples, by which any sample can be replayed.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// A sample of a render: with the scene, the integrator and the seed it can be made again, whatever the
-/// budget was.
+/// Identifies a sample of a render. With the scene, the integrator and the seed it can be replayed, for any
+/// budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleId {
     /// An independent sample of a pixel.
     Pixel {
-        /// Which of the samples of the pixel, from 0 on.
+        /// Index of the sample within the pixel, from 0 on.
         pass: u64,
         /// Index of the pixel, in rows from the top.
         pixel: u64,
@@ -27,7 +27,7 @@ pub enum SampleId {
         chain: u64,
         /// Index of the bootstrap sample at which it started.
         start: u64,
-        /// The step, from 1 on.
+        /// The step of the chain, from 1 on.
         step: u64,
     },
 }
@@ -63,7 +63,7 @@ impl FromStr for SampleId {
                 Ok(Self::Mutation { chain, start, step })
             }
             _ => Err(
-                "expected what a render printed: pass=N,pixel=N or bootstrap=N or \
+                "expected a sample as printed by a render: pass=N,pixel=N or bootstrap=N or \
                  chain=N,start=N,step=N"
                     .into(),
             ),
@@ -80,17 +80,17 @@ impl Serialize for SampleId {
 /// Contributions that were NaN, infinite or negative: their number, and the samples of the first ones.
 #[derive(Clone, Debug, Default)]
 pub struct NonFinite {
-    /// All of them.
+    /// Number of such contributions.
     pub count: u64,
     /// The samples of the first ones.
     pub samples: Vec<SampleId>,
 }
 
 impl NonFinite {
-    /// Most names that are kept: enough to find the fault.
+    /// Maximum number of samples that are stored for replay.
     const MAX: usize = 64;
 
-    /// Adds `count` of them, all of one sample.
+    /// Adds `count` contributions, all of one sample.
     pub fn add(&mut self, count: u64, sample: SampleId) {
         self.count += count;
         if self.samples.len() < Self::MAX {
@@ -98,11 +98,11 @@ impl NonFinite {
         }
     }
 
-    /// Adds `count` of them, of which some samples are known.
+    /// Adds `count` contributions, of which some samples are known.
     pub fn extend(&mut self, count: u64, samples: impl Iterator<Item = SampleId>) {
         self.count += count;
-        let room = Self::MAX - self.samples.len();
-        self.samples.extend(samples.take(room));
+        let remaining = Self::MAX - self.samples.len();
+        self.samples.extend(samples.take(remaining));
     }
 }
 
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_read_as_they_are_written() {
+    fn identifiers_are_parsed_as_written() {
         for id in [
             SampleId::Pixel { pass: 3, pixel: 99 },
             SampleId::Bootstrap { sample: 7 },

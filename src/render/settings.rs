@@ -1,4 +1,4 @@
-//! What the user asks for.
+//! Settings of a render.
 
 use std::time::Instant;
 
@@ -113,7 +113,7 @@ pub const MAX_CHAINS: u64 = 1 << 20;
 pub struct PssmltSettings {
     /// p_large: probability of a large step.
     pub large_step_probability: f32,
-    /// How a small step perturbs coordinates.
+    /// Perturbation of the coordinates by a small step.
     pub small_step: Perturbation,
     /// Number of Markov chains.
     pub chains: u64,
@@ -132,29 +132,29 @@ impl Default for PssmltSettings {
     }
 }
 
-/// When to stop.
+/// When a render ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Samples per pixel; for `pssmlt` mutations per pixel.
     SamplesPerPixel(u64),
-    /// Seconds of rendering, without loading and building.
+    /// Seconds of rendering, excluding loading and building.
     Seconds(f64),
     /// Until the target error is reached or the observer cancels.
     Unlimited,
 }
 
-/// Everything that decides the image, besides the scene.
+/// Everything besides the scene that determines the image.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The method and its own settings.
     pub integrator: Integrator,
-    /// When to stop.
+    /// When the render ends.
     pub budget: Budget,
     /// Estimate the standard error of every pixel.
     pub error: bool,
-    /// Stop, before the budget is spent, as soon as the estimated relMSE
-    /// ([`crate::metrics::relative_mse`]) is this or less. The error of `pssmlt` is estimated from the
-    /// spread of chains: with one chain only the budget ends the render.
+    /// End the render before the budget is spent when the estimated relMSE
+    /// ([`crate::metrics::relative_mse`]) is at most this. The error of `pssmlt` is estimated from the
+    /// spread of chains, so with a single chain only the budget ends the render.
     pub target_error: Option<f64>,
     /// The same seed gives the same image.
     pub seed: u64,
@@ -186,16 +186,16 @@ impl Settings {
         self.integrator.method()
     }
 
-    /// True if standard errors are to be estimated, for their own sake or for a target.
+    /// True if standard errors are to be estimated, as a result or for a target.
     pub fn wants_error(&self) -> bool {
         self.error || self.target_error.is_some()
     }
 
-    /// True if a pilot that began at `start` has taken its part of a budget of time.
+    /// True if a pilot that began at `start` has used its share of a time budget.
     pub(super) fn pilot_is_over(&self, start: Instant) -> bool {
-        const PART: f64 = 0.03;
+        const PILOT_SHARE: f64 = 0.03;
         match self.budget {
-            Budget::Seconds(seconds) => start.elapsed().as_secs_f64() > PART * seconds,
+            Budget::Seconds(seconds) => start.elapsed().as_secs_f64() > PILOT_SHARE * seconds,
             Budget::SamplesPerPixel(_) | Budget::Unlimited => false,
         }
     }

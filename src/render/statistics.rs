@@ -1,4 +1,4 @@
-//! Statistics of a render, as data to be written out.
+//! Statistics of a render, as serialisable data.
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use crate::statistics::Moments;
 pub struct Statistics {
     /// The method.
     pub integrator: Method,
-    /// As given.
+    /// The seed in the settings.
     pub seed: u64,
     /// Pixels in a row and in a column.
     pub size: [u32; 2],
@@ -20,9 +20,9 @@ pub struct Statistics {
     pub threads: usize,
     /// Seconds of rendering, bootstrap included.
     pub render_seconds: f64,
-    /// Path samples, or mutations, that the image is made of.
+    /// Path samples, or mutations, in the image.
     pub samples: u64,
-    /// The same, per second of rendering; of Metropolis, per second after the bootstrap.
+    /// The same, per second of rendering; for `pssmlt`, per second after the bootstrap.
     pub samples_per_second: f64,
     /// Closest-hit queries.
     pub closest_hit_rays: u64,
@@ -30,9 +30,9 @@ pub struct Statistics {
     pub shadow_rays: u64,
     /// Both, per second of rendering.
     pub rays_per_second: f64,
-    /// Contributions (of Metropolis: proposals) that were NaN, infinite or negative and left out.
+    /// Contributions (for chains: proposals) that were NaN, infinite or negative and left out.
     pub non_finite: u64,
-    /// The samples of the first of them, which can be replayed.
+    /// The samples of the first of these, which can be replayed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub non_finite_samples: Vec<SampleId>,
     /// Of the chains of `pssmlt`.
@@ -48,13 +48,13 @@ pub struct Statistics {
 pub struct PssmltStatistics {
     /// Normalisation: mean luminance of the image, from the bootstrap and all large steps.
     pub b: f64,
-    /// Its standard error; `None` if there were too few samples to tell.
+    /// Its standard error; `None` if there were too few samples to estimate it.
     pub b_standard_error: Option<f64>,
     /// Number of chains.
     pub chains: u64,
     /// Samples of the bootstrap.
     pub bootstrap_samples: u64,
-    /// Seconds that it took, part of `render_seconds`.
+    /// Seconds of the bootstrap, included in `render_seconds`.
     pub bootstrap_seconds: f64,
     /// p_large.
     pub large_step_probability: f32,
@@ -88,9 +88,9 @@ pub struct MutationStatistics {
     pub name: &'static str,
     /// Proposals.
     pub proposed: u64,
-    /// Of these accepted.
+    /// Accepted proposals.
     pub accepted: u64,
-    /// Their ratio; 0 if none was proposed.
+    /// `accepted` over `proposed`; 0 if none was proposed.
     pub acceptance_rate: f64,
 }
 
@@ -111,7 +111,7 @@ impl From<&MutationCounters> for MutationStatistics {
 }
 
 impl MutationStatistics {
-    /// Of all kinds that a chain has.
+    /// Statistics of all kinds of mutations of a chain.
     pub(super) fn all(counters: &ChainCounters) -> Vec<Self> {
         counters.mutations.iter().map(Self::from).collect()
     }
@@ -147,7 +147,7 @@ impl Statistics {
 }
 
 impl PssmltStatistics {
-    /// From the moments of I over all uniform samples and all chains' counters.
+    /// From the moments of I over all uniform samples, and the counters of all chains.
     pub(super) fn new<'a>(
         large_step_probability: f32,
         (bootstrap_samples, bootstrap_seconds): (u64, f64),

@@ -2,8 +2,8 @@
 //! weight: Veach's pyramid (1997, figures 10.3 and 10.4).
 //!
 //! The samples are those of the integrator `bdpt` with the same seed: its image is the sum of the
-//! weighted images here. An unweighted one shows C_{s,t} = alpha^L_s c_{s,t} alpha^E_t (section
-//! 10.2): all light of paths of s + t - 1 edges that the technique can make, as well as it can.
+//! weighted images here. An unweighted image shows C_{s,t} = alpha^L_s c_{s,t} alpha^E_t (section
+//! 10.2): an estimate of all light of paths of s + t - 1 edges that the technique can sample.
 
 use std::time::Instant;
 
@@ -39,15 +39,15 @@ pub struct Strategies {
     pub statistics: Statistics,
     /// The observer cancelled before all samples were taken.
     pub interrupted: bool,
-    /// What limits the images.
+    /// Reasons to distrust the images, or to render for longer.
     pub warnings: Vec<Warning>,
 }
 
-/// Why techniques cannot be shown.
+/// Why techniques cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum StrategiesError {
-    /// There are as many techniques as paths are long.
-    #[error("paths of any length have techniques without number: a limit on their edges is needed")]
+    /// The number of techniques grows with the length of paths.
+    #[error("paths of unlimited length have infinitely many techniques: limit the number of edges")]
     Unlimited,
     /// Each technique has two images.
     #[error(
@@ -59,9 +59,9 @@ pub enum StrategiesError {
         techniques: u64,
         /// Pixels of each image.
         pixels: u64,
-        /// Gigabytes.
+        /// Memory of the images, in gigabytes.
         needed: u64,
-        /// Gigabytes.
+        /// Maximum, in gigabytes.
         most: u64,
     },
     /// The threads cannot be started.
@@ -69,15 +69,15 @@ pub enum StrategiesError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// Most memory for films, in bytes.
+/// Maximum memory for films, in bytes.
 const MAX_BYTES: u64 = 8_000_000_000;
 
-/// Memory for a pixel of a technique: sums of samples and splats and a number of samples, twice, and
-/// two pixels of 32-bit floats.
+/// Memory for a pixel of a technique, in bytes: sums of samples, sums of splats and a number of samples,
+/// for each of two films, and two pixels of 32-bit floats.
 const PIXEL_BYTES: u64 = 2 * (24 + 24 + 8) + 2 * 12;
 
-/// Renders each technique. Of the settings the budget, the seed and the number of threads matter; the
-/// integrator must be `bdpt`. Like a render, the images do not depend on the number of threads.
+/// Renders each technique. Of the settings, only the budget, the seed and the number of threads are used;
+/// the integrator must be `bdpt`. As in a render, the images do not depend on the number of threads.
 ///
 /// # Errors
 /// If the scene does not limit the length of paths, the images would not fit into memory, or threads
@@ -110,7 +110,7 @@ pub fn strategies(
     })?)
 }
 
-/// Checks that the techniques of `scene` can be shown, and returns the greatest number of edges.
+/// Checks that the techniques of `scene` can be rendered, and returns the maximum number of edges.
 ///
 /// # Errors
 /// If the scene does not limit the length of paths, or the images would not fit into memory.
@@ -141,10 +141,10 @@ fn check_memory(edges: u32, pixels: u64) -> Result<(), StrategiesError> {
 /// The paths of a tile's samples.
 #[derive(Default)]
 struct TilePaths {
-    /// Light at the samples' own pixels: the pixel, the technique's ordinal, its light without and with the
-    /// weight.
+    /// Contributions to the pixels of the samples: the pixel, the ordinal of the technique, and the light
+    /// without and with the weight.
     pixels: Vec<(u64, usize, [Rgb; 2])>,
-    /// Per technique, light elsewhere without and with the weight.
+    /// Per technique, splats at other positions without and with the weight.
     light_images: Vec<[SplatLog; 2]>,
     /// Pixels with a contribution that was not finite; one entry for each.
     non_finite: Vec<u64>,
@@ -185,12 +185,12 @@ impl TilePaths {
     }
 }
 
-/// Two images of each technique in the making.
+/// Accumulates two images of each technique.
 struct Pyramid<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
     techniques: Vec<Technique>,
-    /// Per technique, without and with the weight.
+    /// Per technique, films without and with the weight.
     films: Vec<[Film; 2]>,
     non_finite: NonFinite,
 }
@@ -211,7 +211,7 @@ impl<'a> Pyramid<'a> {
 
     fn add(&mut self, tiles: &[(Tile, &TilePaths)]) {
         for (tile, paths) in tiles {
-            // Each sample counts for every technique, whether it has found light or not.
+            // Each sample counts for every technique, with or without light.
             for film in self.films.iter_mut().flatten() {
                 for pixel in tile.pixels.clone() {
                     film.add_samples(pixel as usize, [0.0; 3], 1);
@@ -256,7 +256,7 @@ impl<'a> Pyramid<'a> {
         });
         Strategies {
             images: images.collect(),
-            interrupted: clock.was_cut_short(samples),
+            interrupted: clock.was_cancelled(samples),
             warnings: warnings::non_finite(&self.non_finite)
                 .into_iter()
                 .chain(warnings::unsampled(samples, pixel_count(self.scene)))
@@ -278,7 +278,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn memory_is_not_spent_without_limit() {
+    fn memory_is_limited() {
         assert!(check_memory(5, 1 << 20).is_ok());
         assert!(check_memory(u32::MAX, 1).is_err());
         let error = check_memory(10, 1 << 22).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! What limits an image, found from the state of a finished render.
+//! Warnings about an image, derived from the state of a finished render.
 
 use super::{ErrorEstimate, NonFinite, Settings};
 use crate::markov::{Bootstrap, ChainCounters};
@@ -19,13 +19,13 @@ pub enum Warning {
         /// Pixels of the image.
         pixels: u64,
     },
-    /// The error was to be estimated, but there are not two independent parts of the samples.
+    /// The error was requested, but the samples do not have two independent parts.
     ErrorUnknown,
     /// The budget ended before the target error was reached.
     TargetNotReached {
         /// Estimated relMSE of the image.
         estimate: f64,
-        /// relMSE asked for.
+        /// Target relMSE.
         target: f64,
     },
     /// In many pixels nearly all variance comes from one part of the samples
@@ -55,7 +55,7 @@ pub enum Warning {
         /// Standard error of b over b.
         relative_error: f64,
     },
-    /// All pixels are 0, and no other warning says why.
+    /// All pixels are 0, and no other warning explains it.
     Black,
 }
 
@@ -65,18 +65,18 @@ const MAX_NORMALISATION_ERROR: f64 = 0.02;
 /// A chain is stuck if it has rejected this many proposals in a row, and more than half of its steps.
 const MIN_STUCK_RUN: u64 = 1000;
 
-/// Contributions that were left out.
+/// Warns of contributions that were left out.
 pub(super) fn non_finite(non_finite: &NonFinite) -> Option<Warning> {
     let count = non_finite.count;
     (count > 0).then_some(Warning::NonFinite { count })
 }
 
-/// Pixels without samples.
+/// Warns of pixels without samples.
 pub(super) fn unsampled(done: u64, pixels: u64) -> Option<Warning> {
     (done < pixels).then_some(Warning::Unsampled { done, pixels })
 }
 
-/// An error that was asked for and either is not known or has not been reached.
+/// Warns if the requested error is unknown or the target error has not been reached.
 pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Option<Warning> {
     match (estimate, settings.target_error) {
         (None, _) if settings.wants_error() => Some(Warning::ErrorUnknown),
@@ -90,13 +90,13 @@ pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Op
     }
 }
 
-/// Standard errors that are probably too small.
+/// Warns of standard errors that are probably too small.
 pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<Warning> {
     let share = estimate.map_or(0.0, |estimate| estimate.single);
     (share > ErrorEstimate::MAX_SINGLE).then_some(Warning::RareContributions { share })
 }
 
-/// A Metropolis image without mutations.
+/// Warns of a Metropolis image without mutations.
 pub(super) fn no_mutation(done: u64, chains: usize) -> Option<Warning> {
     (done == 0 && chains > 0).then_some(Warning::NoMutations)
 }
@@ -107,12 +107,12 @@ pub(super) fn is_stuck(counters: &ChainCounters) -> bool {
     run >= MIN_STUCK_RUN && 2 * run > counters.steps()
 }
 
-/// Chains that hardly moved.
+/// Warns of chains that hardly moved.
 pub(super) fn stuck(stuck: u64, chains: u64) -> Option<Warning> {
     (stuck > 0).then_some(Warning::StuckChains { stuck, chains })
 }
 
-/// How well b is known.
+/// Warns if b is 0 or uncertain.
 pub(super) fn normalisation(uniform: &Moments, bootstrap: &Bootstrap) -> Option<Warning> {
     let relative_error = uniform.standard_error() / uniform.mean;
     if bootstrap.moments.mean <= 0.0 {

@@ -3,8 +3,8 @@
 use super::seeds::{self, Purpose, mix};
 use super::{Dimension, Sampler};
 
-/// One sample of a render: a point of the hypercube with independent uniform coordinates, named by seed,
-/// purpose and index.
+/// One sample of a render: a point of the hypercube with independent uniform coordinates, identified by
+/// seed, purpose and index.
 ///
 /// The generator is counter-based (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"):
 /// dimension d has the value mix(key + d * gamma), the element d of the stream of a SplitMix64 generator
@@ -12,7 +12,7 @@ use super::{Dimension, Sampler};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndependentSampler {
     key: u64,
-    /// Odd.
+    /// Increment of the counter-based generator; odd.
     gamma: u64,
 }
 
@@ -29,10 +29,10 @@ impl IndependentSampler {
 
     #[inline]
     fn value(&self, dimension: Dimension) -> f32 {
-        // Far more dimensions than any path uses lie between the beginnings of two streams.
+        // Streams start 2^40 dimensions apart, far more than any path uses.
         let counter = ((dimension.stream as u64) << 40) + dimension.index as u64 + 1;
         let bits = mix(self.key.wrapping_add(counter.wrapping_mul(self.gamma)));
-        // A multiple of 2^-24, as all choices in `distribution` assume.
+        // A multiple of 2^-24, as `distribution` assumes.
         (bits >> 40) as f32 * (1.0 / (1u32 << 24) as f32)
     }
 }
@@ -52,7 +52,7 @@ mod tests {
     use crate::statistics::chi_square;
 
     #[test]
-    fn a_dimension_has_one_value_in_whatever_order_it_is_asked_for() {
+    fn a_dimension_has_one_value_in_any_order_of_reads() {
         let mut sampler = IndependentSampler::new(1, Purpose::Pixels, 9);
         let at = |index| Dimension::new(Stream::Light, index);
         let all: [f32; 8] = sampler.get(at(0));
@@ -63,9 +63,8 @@ mod tests {
         assert_eq!(IndependentSampler::new(1, Purpose::Pixels, 9), sampler);
     }
 
-    /// Null hypothesis: pairs of values are uniform on the square, whatever two samples, dimensions,
-    /// streams or seeds they come from. 16 x 16 cells, 2^18 pairs of each kind; each p-value is tested
-    /// at 1e-4.
+    /// Null hypothesis: pairs of values from different samples, dimensions, streams or seeds are uniform
+    /// on the square. 16 x 16 cells, 2^18 pairs of each kind; each p-value is tested at 1e-4.
     #[test]
     fn neighbours_are_independent() {
         let value = |seed, index, stream, dimension| {

@@ -1,4 +1,4 @@
-//! Sources of sample values, and what is made of them: discrete distributions and warps.
+//! Sources of sample values, and their transformation: discrete distributions and warps.
 //!
 //! ```
 //! use metrolight::sampling::seeds::Purpose;

@@ -5,18 +5,18 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::fault::{Fault, planted};
 
-/// What random numbers are for; different purposes share none.
+/// The purpose of random numbers. Different purposes share no numbers.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
     /// Samples of the pixels of an image, pass after pass.
     Pixels,
-    /// A sample of the bootstrap.
+    /// Uniform samples of a bootstrap or a pilot.
     Bootstrap,
-    /// The choice of bootstrap samples that chains start from.
+    /// The choice of samples that chains start from.
     Resampling,
-    /// Rays that search for light which no path sampler can find.
+    /// Rays that search for light that no path sampler can find.
     Probes,
-    /// The chains; one stream, from which each chain jumps on.
+    /// The chains: one sequence, in which each chain jumps ahead of the previous one.
     Chains,
     /// Random choices of statistical tests.
     Tests,
@@ -46,13 +46,13 @@ pub fn generator(seed: u64, purpose: Purpose, index: u64) -> Xoshiro256PlusPlus 
     Xoshiro256PlusPlus::seed_from_u64(key(seed, purpose, index))
 }
 
-/// The seed of part `part` of an experiment with `seed`: parts share no random numbers with each other
-/// nor with a render under that seed.
-pub fn part(seed: u64, part: u64) -> u64 {
-    mix(mix(seed).wrapping_add(mix(part.wrapping_add(1))))
+/// The seed of part `index` of an experiment under `seed`. The parts are independent of each other and of
+/// a render under that seed.
+pub fn part(seed: u64, index: u64) -> u64 {
+    mix(mix(seed).wrapping_add(mix(index.wrapping_add(1))))
 }
 
-/// The generator of one chain, as [`chain_generators`] gives it.
+/// The generator of one chain: an element of [`chain_generators`].
 pub fn chain_generator(seed: u64, chain: u64) -> Xoshiro256PlusPlus {
     let mut generator = generator(seed, Purpose::Chains, 0);
     for _ in 0..chain {
@@ -61,7 +61,7 @@ pub fn chain_generator(seed: u64, chain: u64) -> Xoshiro256PlusPlus {
     generator
 }
 
-/// One generator per chain, each 2^128 numbers apart in a single sequence.
+/// One generator per chain, 2^128 numbers apart in a single sequence.
 pub fn chain_generators(seed: u64, chains: usize) -> Vec<Xoshiro256PlusPlus> {
     let mut generator = generator(seed, Purpose::Chains, 0);
     let mut streams = Vec::with_capacity(chains);

@@ -18,8 +18,8 @@ fn pairs(seed: u64) -> impl Iterator<Item = [f32; 2]> {
     (0..).map(move |i| IndependentSampler::new(seed, Purpose::Tests, i).get(at))
 }
 
-/// Null hypothesis: `warp`, followed by a map that should make it uniform again on the unit square,
-/// is uniform.
+/// Null hypothesis: the points of `warp` are uniform on the unit square. The caller composes the warp
+/// under test with a map that inverts its density.
 fn check_uniform(name: &str, warp: impl Fn(Vec2) -> Vec2) {
     const SIDE: usize = 20;
     let samples = 100_000;
@@ -38,7 +38,8 @@ fn check_uniform(name: &str, warp: impl Fn(Vec2) -> Vec2) {
     assert!(p > 1e-4, "{name}: p = {p}");
 }
 
-fn turns(v: Vec2) -> f32 {
+/// Azimuth over 2 pi, in [0, 1).
+fn azimuth(v: Vec2) -> f32 {
     let phi = v.y.atan2(v.x) / std::f32::consts::TAU;
     phi - phi.floor()
 }
@@ -48,25 +49,26 @@ fn warps_have_their_densities() {
     check_uniform("independent numbers", |u| u);
     check_uniform("disk", |u| {
         let d = square_to_disk(u);
-        Vec2::new(d.length_squared(), turns(d))
+        Vec2::new(d.length_squared(), azimuth(d))
     });
     // Density cos/pi: cos^2 is uniform.
     check_uniform("cosine hemisphere", |u| {
         let d = square_to_cosine_hemisphere(u);
-        Vec2::new(d.z * d.z, turns(Vec2::new(d.x, d.y)))
+        Vec2::new(d.z * d.z, azimuth(Vec2::new(d.x, d.y)))
     });
     check_uniform("sphere", |u| {
         let d = square_to_sphere(u);
-        Vec2::new(0.5 * (d.z + 1.0), turns(Vec2::new(d.x, d.y)))
+        Vec2::new(0.5 * (d.z + 1.0), azimuth(Vec2::new(d.x, d.y)))
     });
-    // The share of the triangle beyond b1, and the place on the line of equal b1.
+    // The share of the triangle's area beyond b1, and the position on the line of equal b1.
     check_uniform("triangle", |u| {
         let b = square_to_triangle(u);
         Vec2::new((1.0 - b.x) * (1.0 - b.x), b.y / (1.0 - b.x).max(1e-9))
     });
 }
 
-/// Thousands of outcomes that are next to nothing beside two great ones: none may be lost.
+/// Thousands of outcomes have negligible weights beside two dominant ones. Each must keep a positive
+/// probability.
 #[test]
 fn faint_outcomes_keep_a_probability() {
     let mut weights = vec![1e-12; 5_000];
@@ -88,7 +90,7 @@ fn faint_outcomes_keep_a_probability() {
     }
 }
 
-/// Null hypothesis: outcomes have their probabilities, and what is left of the number is uniform.
+/// Null hypothesis: outcomes have their probabilities, and the remapped sample value is uniform.
 #[test]
 fn sampling_a_distribution_leaves_a_uniform_number() {
     let weights = [3.0, 0.0, 1.0, 0.5, 7.0];
@@ -108,7 +110,8 @@ fn sampling_a_distribution_leaves_a_uniform_number() {
     assert!(p > 1e-4, "p = {p}");
 }
 
-/// Null hypothesis: places are spread over cells in proportion to their weights, and uniform within.
+/// Null hypothesis: cells are chosen in proportion to their weights, and positions are uniform within a
+/// cell.
 #[test]
 fn grids_are_sampled_in_proportion() {
     let weights = [1.0, 0.0, 3.0, 2.0, 0.0, 0.0, 0.0, 0.0, 5.0, 4.0, 0.1, 0.9];
@@ -140,7 +143,7 @@ fn grids_are_sampled_in_proportion() {
 }
 
 #[test]
-fn colours_are_weighed_and_checked() {
+fn luminance_and_validity_of_colours() {
     assert!((luminance(Vec3A::ONE) - 1.0).abs() < 1e-6);
     assert!((luminance(Vec3A::X) - 0.2126).abs() < 1e-4);
     assert!(is_light(Vec3A::new(0.0, 1.0, 1e30)));

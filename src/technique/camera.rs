@@ -9,8 +9,8 @@ use crate::path::{Vertex, dimensions};
 use crate::sampling::Sampler;
 use crate::scene::{RayCounts, Scene, TransportMode};
 
-/// Connects light vertex y_i to a point on the lens. Returns the path and its film position; `None` if it
-/// carries no light.
+/// Connects light vertex y_i to a point on the lens. Returns the film position and the path; `None` if
+/// the path carries no light.
 #[inline]
 pub fn connect_to_camera<S: Sampler>(
     scene: &Scene,
@@ -36,7 +36,7 @@ pub fn connect_to_camera<S: Sampler>(
     if !scene.geometry.visible(origin, target, counts) {
         return None;
     }
-    // `lens.density` holds 1/d^2.
+    // `lens.density` includes 1/d^2.
     let from_lens = scatter.density(lens.density, 1.0);
     let light = vertex.mis.sum(from_lens, f64::from(scatter.pdf_reverse));
     let connection = Connection {

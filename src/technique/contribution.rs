@@ -1,4 +1,4 @@
-//! What a path brings to the film.
+//! Contributions of paths to the film.
 
 use glam::Vec2;
 
@@ -6,23 +6,23 @@ use super::Technique;
 use crate::film::Splat;
 use crate::math::Rgb;
 
-/// The light of a path made by one technique.
+/// The contribution of a path sampled by one technique.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
     /// Path contribution over the density of this technique. Without the weight it is an unbiased
-    /// estimate of the light of all paths of this length that the technique can make.
+    /// estimate of the light of all paths of this length that the technique can sample.
     pub value: Rgb,
-    /// MIS weight among all techniques that can make the path, in [0, 1].
+    /// MIS weight among all techniques that can sample the path, in [0, 1].
     pub weight: f32,
 }
 
-/// A path, and where it lands.
+/// The contribution of a path and its film position.
 #[derive(Clone, Copy, Debug)]
 pub struct PathContribution {
-    /// The technique that made the path.
+    /// The technique that sampled the path.
     pub technique: Technique,
-    /// Film position in [0, 1)^2: where the camera subpath starts, or for t = 1 where the lens sees the
-    /// light subpath.
+    /// Film position in [0, 1)^2: that of the camera subpath, or for t = 1 the projection of the last
+    /// vertex of the light subpath.
     pub film: Vec2,
     /// See [`Connection::value`].
     pub value: Rgb,
@@ -31,7 +31,7 @@ pub struct PathContribution {
 }
 
 impl PathContribution {
-    /// A path that `technique` made.
+    /// A path that `technique` sampled.
     #[inline]
     pub fn new(technique: Technique, film: Vec2, connection: Connection) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl PathContribution {
         }
     }
 
-    /// The weighted contribution at its place on the film.
+    /// The weighted contribution at its film position.
     #[inline]
     pub fn splat(&self) -> Splat {
         Splat {

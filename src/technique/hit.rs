@@ -8,9 +8,9 @@ use crate::path::mis::weight;
 use crate::path::{EnvironmentVertex, PartialMis, Vertex};
 use crate::scene::{LightEvaluation, Scene};
 
-/// A light that a camera subpath has hit, not yet weighted.
+/// A path whose camera subpath hit a light, before MIS weighting.
 pub struct Hit<'a> {
-    /// Radiance toward the camera subpath, and the densities of all ways to sample the point.
+    /// Radiance toward the camera subpath, and the densities with which other techniques sample the point.
     pub emission: LightEvaluation,
     /// Throughput of the camera subpath.
     pub throughput: Rgb,
@@ -20,8 +20,8 @@ pub struct Hit<'a> {
     pub edges: usize,
 }
 
-/// Camera vertex z_i lies on a light, i being the number of edges; `previous` is the position of
-/// z_{i-1}. `None` if it emits nothing that way.
+/// The path of `edges` edges that ends at `vertex`, camera vertex z_i with i = `edges`. `previous` is the
+/// position of z_{i-1}. `None` if the surface emits no light toward it.
 #[inline]
 pub fn hit_light<'a>(
     scene: &Scene,
@@ -37,7 +37,8 @@ pub fn hit_light<'a>(
     })
 }
 
-/// The camera subpath has left the scene; `None` if no light at infinity can be hit.
+/// The path of `edges` edges whose camera subpath leaves the scene. `None` if no infinite emitter can be
+/// hit.
 #[inline]
 pub fn hit_environment<'a>(
     scene: &Scene,
@@ -65,7 +66,7 @@ impl Hit<'_> {
     /// The path, weighted among all bidirectional techniques.
     #[inline]
     pub fn connection(&self) -> Connection {
-        // No other technique makes paths of one edge: a directly visible light.
+        // No other technique samples paths of one edge (directly visible lights).
         let camera = if self.edges == 1 {
             0.0
         } else {

@@ -1,6 +1,6 @@
-//! Techniques: the ways to make a path from what the subpaths give (Veach 1997, chapter 10). Each says
-//! what light its path carries, before and after MIS weighting. A path whose unoccluded contribution is
-//! zero traces no shadow ray.
+//! Techniques, which form a path from a light subpath and a camera subpath (Veach 1997, chapter 10). Each
+//! returns the contribution of its path and the MIS weight. No shadow ray is traced if the unoccluded
+//! contribution is zero.
 //!
 //! ```
 //! use metrolight::technique::Technique;
@@ -24,8 +24,8 @@ pub use hit::{Hit, hit_environment, hit_light};
 pub use join::connect_vertices;
 pub use next_event::NextEvent;
 
-/// A way to make a path of s light subpath vertices (the point on the light included) and t camera
-/// subpath vertices (the point on the lens included): Veach's (s, t).
+/// Veach's technique (s, t): a path is formed from s light subpath vertices (the point on the light
+/// included) and t camera subpath vertices (the point on the lens included).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Technique {
     /// s = 0: the camera subpath hits a light.
@@ -90,26 +90,26 @@ impl Technique {
         self.s() + self.t() - 1
     }
 
-    /// True if its paths land anywhere on the film and not where their camera subpath starts.
+    /// True if its paths contribute anywhere on the film and not at the film position of a camera subpath.
     #[inline]
     pub fn is_light_image(self) -> bool {
         matches!(self, Self::Camera { .. })
     }
 
     /// Number of techniques that bidirectional path tracing has for paths of `edges` >= 1 edges. Paths of
-    /// one edge (directly visible lights) have (0, 2) alone.
+    /// one edge (directly visible lights) have only (0, 2).
     #[inline]
     pub fn count(edges: usize) -> usize {
         if edges == 1 { 1 } else { edges + 1 }
     }
 
-    /// Technique number `i` < [`Self::count`] of paths with `edges` edges, in the order of s.
+    /// Technique `i` < [`Self::count`] for paths of `edges` edges, in the order of s.
     #[inline]
     pub fn nth(edges: usize, i: usize) -> Self {
         Self::new(i, edges + 1 - i)
     }
 
-    /// Its number among those of its length: the inverse of [`Self::nth`].
+    /// Its index among the techniques of its path length: the inverse of [`Self::nth`].
     #[inline]
     pub fn index(self) -> usize {
         self.s()
@@ -120,12 +120,12 @@ impl Technique {
         (1..=max_edges).flat_map(|k| (0..Self::count(k)).map(move |i| Self::nth(k, i)))
     }
 
-    /// Its place in [`Self::all`].
+    /// Its index in [`Self::all`].
     #[inline]
     pub fn ordinal(self) -> usize {
         match self.edges() {
             1 => 0,
-            // Before it: one technique of one edge, and j + 1 of j edges for 2 <= j < k.
+            // It follows one technique of one edge, and j + 1 techniques of j edges for 2 <= j < k.
             k => k * (k + 1) / 2 - 2 + self.index(),
         }
     }
@@ -161,8 +161,8 @@ mod tests {
             assert_eq!(technique.ordinal(), i, "{technique}");
             let (s, t) = (technique.s(), technique.t());
             assert_eq!(Technique::new(s, t), technique);
-            let again = Technique::nth(technique.edges(), technique.index());
-            assert_eq!(again, technique);
+            let from_index = Technique::nth(technique.edges(), technique.index());
+            assert_eq!(from_index, technique);
         }
         let names: Vec<String> = all[..4].iter().map(ToString::to_string).collect();
         assert_eq!(names, ["(0,2)", "(0,3)", "(1,2)", "(2,1)"]);

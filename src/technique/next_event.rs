@@ -9,7 +9,7 @@ use crate::path::{Scatter, Vertex, dimensions};
 use crate::sampling::Sampler;
 use crate::scene::{LightSample, RayCounts, Scene, TransportMode};
 
-/// A point on a light, sampled for a camera vertex and visible from it, not yet weighted.
+/// A path whose last point is sampled on a light and visible from the camera vertex, before MIS weighting.
 pub struct NextEvent<'a> {
     /// The camera vertex.
     vertex: &'a Vertex,
@@ -17,7 +17,7 @@ pub struct NextEvent<'a> {
     value: Rgb,
     /// The point on the light.
     light: LightSample,
-    /// BsdfEvaluation at the camera vertex toward the point.
+    /// The BSDF at the camera vertex toward the point.
     scatter: Scatter,
 }
 
@@ -68,8 +68,8 @@ impl<'a> NextEvent<'a> {
         }
     }
 
-    /// h of the density with which the camera subpath would have hit the point over that of having
-    /// sampled it: the term of technique s = 0.
+    /// The term of technique s = 0 in the MIS weight: h of the density with which the camera subpath
+    /// samples the point, over the density of next event estimation.
     #[inline]
     pub fn hit_term(&self) -> f64 {
         if self.light.delta {

@@ -1,5 +1,5 @@
-//! The tests of chains, tested: on targets whose distribution is known, without a fault and with each
-//! of many.
+//! Tests of the diagnosis itself: on targets whose distribution is known and on a scene, without a fault
+//! and with each of many planted faults.
 
 mod mmlt;
 mod null;
@@ -12,7 +12,7 @@ use crate::markov::BootstrapLimits;
 use crate::render::Unobserved;
 use targets::{Analytic, AnalyticChains};
 
-/// A budget for quick runs: `chains` chains, 2^`bootstrap` samples for b, and so few permutations that
+/// A budget for quick runs: `chains` chains and 2^`bootstrap` samples for b. With so few permutations,
 /// corrected p-values of the maximum mean discrepancy stay above 1/40.
 fn budget(seed: u64, chains: usize, bootstrap: u32) -> DiagnosisBudget {
     let samples = 1 << bootstrap;
@@ -30,7 +30,7 @@ fn budget(seed: u64, chains: usize, bootstrap: u32) -> DiagnosisBudget {
     }
 }
 
-/// Chains with the usual probability of large steps.
+/// Chains with the default probability of large steps.
 fn chains_of(target: Analytic) -> AnalyticChains {
     AnalyticChains {
         target,

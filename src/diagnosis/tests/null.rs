@@ -1,4 +1,4 @@
-//! Without a fault: p-values are uniform, and false alarms as rare as promised.
+//! Without a fault, p-values are uniform and the false-alarm rate is at most the level.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,14 @@ use rayon::prelude::*;
 use super::{Analytic, budget, checks, run};
 use crate::statistics::{clopper_pearson, distance_from_uniform};
 
-/// Runs over all targets together.
+/// Number of runs, over all targets together.
 const RUNS: u64 = 1000;
 
-/// Chains of a run: enough for the approximations that the tests rest on.
+/// Chains of a run: enough for the asymptotic approximations of the tests.
 const CHAINS: usize = 400;
 
-/// Tests whose p-values are uniform even for few chains, and on targets that leave other tests with
-/// little or nothing to count.
+/// Tests whose p-values are uniform even for few chains and on targets where other tests have counts of
+/// nearly 0.
 const UNIFORM: [&str; 6] = [
     "b of",
     "rank of the start",
@@ -24,10 +24,10 @@ const UNIFORM: [&str; 6] = [
     "Stuart-Maxwell of tile x technique after 512",
 ];
 
-/// Null hypothesis: chains are correct. Over 1000 runs, 200 of each target, the p-values of every test
-/// are uniform, or lean to 1 where counts are few; and 5% of the runs, or fewer, have a corrected
-/// p-value below 5%. Kolmogorov's distance, one-sided, exceeds sqrt(ln(1/a) / 2n) with probability a:
-/// 10^-5 here, for each of 55 tests.
+/// Null hypothesis: chains are correct. Over 1000 runs, 200 of each target, the p-values of every test are
+/// uniform, or larger if counts are small, and at most 5% of the runs have a corrected p-value below 5%
+/// (1% below 1%). Kolmogorov's one-sided distance exceeds sqrt(ln(1/a) / 2n) with probability a: 10^-5
+/// here, for each of 55 tests.
 #[test]
 fn p_values_are_uniform_and_false_alarms_rare() {
     let runs: Vec<_> = (0..RUNS)
@@ -77,7 +77,7 @@ fn excess_of_small(values: &mut [f64]) -> f64 {
     excesses.fold(0.0, f64::max)
 }
 
-/// Every estimate of b is the integral of the target, to 5 standard errors.
+/// Every estimate of b is within 5 standard errors of the integral of the target.
 #[test]
 fn estimates_of_b_are_the_integral() {
     for target in Analytic::ALL {
@@ -97,8 +97,8 @@ fn estimates_of_b_are_the_integral() {
     }
 }
 
-/// Where the bootstrap has seen the top of the target, starts are found by rejection: no two chains
-/// share one, or hardly any, and their states are independent.
+/// If the bootstrap has found the maximum of the target, starts are found by rejection sampling: almost no
+/// two chains have the same start, and their states are independent.
 #[test]
 fn starts_are_independent() {
     for target in Analytic::ALL {

@@ -1,4 +1,4 @@
-//! With a fault planted some test rejects: in 99% of the runs, or more.
+//! The power of the tests: with a planted fault, some test rejects in at least 99% of the runs.
 
 use std::collections::BTreeMap;
 
@@ -21,159 +21,161 @@ use crate::scene::Scene;
 use crate::statistics::{Moments, clopper_pearson, holm, kolmogorov_smirnov, welch};
 use crate::technique::TechniqueSet;
 
-/// Runs reject at this level, all their tests together.
+/// Level of a run, for all its tests together.
 const ALPHA: f64 = 1e-3;
 
-/// Runs of each fault in the quick form and in the long one. If all of 300 reject, the power is above
-/// 0.99 with a confidence of 95%.
-const QUICK: u64 = 6;
-const LONG: u64 = 300;
+/// Runs of each fault in the quick test.
+const QUICK_RUNS: u64 = 6;
 
-/// Where a fault is looked for.
+/// Runs of each fault in the long test. If all 300 reject, the power is above 0.99 at 95% confidence.
+const LONG_RUNS: u64 = 300;
+
+/// The experiment that must detect a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Hunt {
-    /// By `diagnose`: the probability of a large step, a target, the number of chains, and n for 2^n
-    /// samples for b.
+enum Experiment {
+    /// Diagnosis of chains: the probability of a large step, the target, the number of chains, and n for
+    /// 2^n samples for b.
     Chains(f32, Analytic, usize, u32),
-    /// By the law of a coordinate that was not read for some steps.
+    /// Comparison of the distributions of a coordinate with and without lazy update.
     LazySteps,
-    /// By Welch's test per tile, with so many samples, between two path samplers.
+    /// Welch's test between the images of two path samplers, tile by tile, and the number of samples of
+    /// each.
     Images([TechniqueSet; 2], u64),
-    /// By `diagnose`, on the chains of `mmlt` in a scene.
+    /// Diagnosis of the chains of `mmlt` in a scene.
     Mmlt,
 }
 
-const HUNTS: [(Fault, Hunt, &str); 19] = [
+const CASES: [(Fault, Experiment, &str); 19] = [
     (
         Fault::Clamped,
-        Hunt::Chains(0.3, Analytic::Ramp, 1000, 14),
+        Experiment::Chains(0.3, Analytic::Ramp, 1000, 14),
         "clamp instead of wrap",
     ),
     (
         Fault::Asymmetric,
-        Hunt::Chains(0.3, Analytic::Ridge, 2000, 14),
+        Experiment::Chains(0.3, Analytic::Ridge, 2000, 14),
         "asymmetric step",
     ),
     (
         Fault::NotRestored,
-        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
+        Experiment::Chains(0.3, Analytic::Ridge, 1000, 14),
         "no restore on reject",
     ),
     (
         Fault::LazyStepTooFew,
-        Hunt::LazySteps,
+        Experiment::LazySteps,
         "one lazy step too few",
     ),
     (
         Fault::InvertedRatio,
-        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
+        Experiment::Chains(0.3, Analytic::Ridge, 1000, 14),
         "inverted ratio",
     ),
     (
         Fault::UnclippedWeights,
-        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
+        Experiment::Chains(0.3, Analytic::Ridge, 1000, 14),
         "acceptance not clipped in the weights",
     ),
     (
         Fault::ForcedAcceptance,
-        Hunt::Chains(0.9, Analytic::Islands, 1000, 14),
+        Experiment::Chains(0.9, Analytic::Peaks, 1000, 14),
         "forced acceptance after 8 rejections",
     ),
     (
         Fault::OtherLargeStepProbability,
-        Hunt::Chains(0.3, Analytic::Swell, 1000, 16),
+        Experiment::Chains(0.3, Analytic::Sine, 1000, 16),
         "p_large in the weights 20% off",
     ),
     (
         Fault::TechniqueCountLeftOut,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "technique count left out of the multiplexed density",
     ),
     (
         Fault::SharedNumbers,
-        Hunt::Chains(0.3, Analytic::Ridge, 1000, 14),
+        Experiment::Chains(0.3, Analytic::Ridge, 1000, 14),
         "chains sharing random numbers",
     ),
     (
         Fault::NormalisationOff,
-        Hunt::Chains(0.3, Analytic::Swell, 1000, 18),
+        Experiment::Chains(0.3, Analytic::Sine, 1000, 18),
         "b off by 1%",
     ),
     (
         Fault::AdjointLeftOut,
-        Hunt::Images([TechniqueSet::Path, TechniqueSet::Light], 1 << 19),
+        Experiment::Images([TechniqueSet::Path, TechniqueSet::Light], 1 << 19),
         "adjoint factor left out",
     ),
     (
         Fault::WeightOff,
-        Hunt::Images([TechniqueSet::Path, TechniqueSet::Bidirectional], 1 << 20),
+        Experiment::Images([TechniqueSet::Path, TechniqueSet::Bidirectional], 1 << 20),
         "a MIS weight 20% off",
     ),
     (
         Fault::TechniquesSkewed,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: techniques not chosen uniformly",
     ),
     (
         Fault::OtherThreshold,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: chains clamp at twice the threshold",
     ),
     (
         Fault::ResidualUnclamped,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: the residual is the whole path",
     ),
     (
         Fault::ResampledUniformly,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: starts not in proportion to the residual",
     ),
     (
         Fault::LengthShares,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: long paths get more than their share",
     ),
     (
         Fault::ChainWeightOff,
-        Hunt::Mmlt,
+        Experiment::Mmlt,
         "mmlt: the weight of the chains twice too large",
     ),
 ];
 
-/// The least corrected p-value of a run, and the test that it is of.
-fn least(hunt: Hunt, seed: u64) -> (f64, String) {
-    match hunt {
-        Hunt::Chains(large_step_probability, target, chains, bootstrap) => {
+/// The smallest corrected p-value of a run, and its test.
+fn smallest_p_value(experiment: Experiment, seed: u64) -> (f64, String) {
+    match experiment {
+        Experiment::Chains(large_step_probability, target, chains, bootstrap) => {
             let chains_of = AnalyticChains {
                 target,
                 large_step_probability,
             };
             let budget = budget(seed, chains, bootstrap);
             let found = equilibrium(&chains_of, &budget, &Unobserved);
-            least_of(found.expect("a target with light").checks)
+            smallest_of(found.expect("a target with light").checks)
         }
-        Hunt::Mmlt => least_of(mmlt_checks(seed)),
-        Hunt::LazySteps => (
+        Experiment::Mmlt => smallest_of(mmlt_checks(seed)),
+        Experiment::LazySteps => (
             lazy_steps(seed),
             "Kolmogorov-Smirnov of lazy and eager steps".into(),
         ),
-        Hunt::Images(samplers, samples) => (
+        Experiment::Images(samplers, samples) => (
             images(seed, samplers, samples),
             "Welch, tile by tile, of two images".into(),
         ),
     }
 }
 
-fn least_of(checks: Vec<Check>) -> (f64, String) {
-    let least = checks
+fn smallest_of(checks: Vec<Check>) -> (f64, String) {
+    let smallest = checks
         .into_iter()
         .min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         .expect("some test");
-    (least.adjusted, least.name)
+    (smallest.adjusted, smallest.name)
 }
 
-/// Every coordinate is 1/2.
+/// The centre of the hypercube: every coordinate is 1/2.
 struct Centre;
 
 impl Sampler for Centre {
@@ -182,8 +184,9 @@ impl Sampler for Centre {
     }
 }
 
-/// The distribution of a coordinate that was not read for one step, and then read, against two steps that
-/// were both made. 4000 of each.
+/// p-value of the null hypothesis that lazy update does not change the distribution of a coordinate. 4000
+/// coordinates that were not read for one step and then read are compared with 4000 explicit sequences of
+/// two steps.
 fn lazy_steps(seed: u64) -> f64 {
     const UNREAD: usize = 1;
     const SMALL: usize = 1;
@@ -212,8 +215,8 @@ fn lazy_steps(seed: u64) -> f64 {
     kolmogorov_smirnov(&moved(true), &moved(false))
 }
 
-/// Corrected least p-value of Welch's tests between the tiles of two path samplers' images of a floor that
-/// is lit by way of a square with tilted shading normals.
+/// Smallest corrected p-value of Welch's tests between the tiles of the images of two path samplers. The
+/// images show a floor that is lit indirectly, through a square with tilted shading normals.
 fn images(seed: u64, samplers: [TechniqueSet; 2], samples: u64) -> f64 {
     let scene = adjoint_scene();
     let [a, b] = [0, 1].map(|i| {
@@ -232,8 +235,9 @@ fn adjoint_scene() -> Scene {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/adjoint.xml");
     let loaded = crate::mitsuba::load(&path, &[]).expect("a scene of the tests");
     let mut description = loaded.description;
-    // The last shapes are the water and a lamp outside of it, which a path tracer seldom meets: means of
-    // what is rare and bright are far from normal, and Welch's test raises false alarms.
+    // The last shapes are the water and a lamp outside of it, which a path tracer seldom hits. Means of
+    // rare and bright contributions are far from normally distributed, so that Welch's test would raise
+    // false alarms.
     let lamp = description.shapes.pop();
     assert!(lamp.is_some_and(|shape| shape.emission.is_some()));
     let water = description.shapes.pop();
@@ -265,14 +269,21 @@ fn tiles(scene: &Scene, path_sampler: impl PathSampler, seed: u64, samples: u64)
     moments
 }
 
-/// How many of `runs` runs reject, and by which test how often.
-fn rejections(fault: Option<Fault>, hunt: Hunt, runs: u64) -> (u64, BTreeMap<String, u64>) {
+/// Number of rejections in `runs` runs, in total and by the test with the smallest p-value.
+fn rejections(
+    fault: Option<Fault>,
+    experiment: Experiment,
+    runs: u64,
+) -> (u64, BTreeMap<String, u64>) {
     let seeds: Vec<u64> = (0..runs).collect();
     let halves: Vec<Vec<(f64, String)>> = seeds
         .par_chunks(seeds.len().div_ceil(2))
         .map(|seeds| {
             fault::with(fault, || {
-                seeds.iter().map(|&seed| least(hunt, seed)).collect()
+                seeds
+                    .iter()
+                    .map(|&seed| smallest_p_value(experiment, seed))
+                    .collect()
             })
         })
         .collect();
@@ -286,51 +297,49 @@ fn rejections(fault: Option<Fault>, hunt: Hunt, runs: u64) -> (u64, BTreeMap<Str
 }
 
 #[test]
-fn every_planted_fault_is_found() {
-    for (fault, hunt, name) in HUNTS {
-        let (found, tests) = rejections(Some(fault), hunt, QUICK);
+fn every_planted_fault_is_detected() {
+    for (fault, experiment, name) in CASES {
+        let (found, tests) = rejections(Some(fault), experiment, QUICK_RUNS);
         assert!(
-            found == QUICK,
-            "{name}: {found} of {QUICK} runs reject; {tests:?}"
+            found == QUICK_RUNS,
+            "{name}: {found} of {QUICK_RUNS} runs reject; {tests:?}"
         );
     }
 }
 
-/// Without a fault the same runs do not reject. Of 60 different runs one does with probability 0.06, which
-/// is allowed, and two with probability 0.002.
+/// Null hypothesis: without a fault a run rejects with probability 0.001. One of 60 different runs rejects
+/// with probability 0.06; the test fails if two or more reject, with probability 0.002.
 #[test]
-fn no_fault_is_found_where_there_is_none() {
-    let mut hunts: Vec<Hunt> = Vec::new();
-    for (_, hunt, _) in HUNTS {
-        if !hunts.contains(&hunt) {
-            hunts.push(hunt);
+fn no_fault_is_detected_without_one() {
+    let mut experiments: Vec<Experiment> = Vec::new();
+    for (_, experiment, _) in CASES {
+        if !experiments.contains(&experiment) {
+            experiments.push(experiment);
         }
     }
-    assert_eq!(hunts.len(), 10);
-    let found: Vec<u64> = hunts
-        .iter()
-        .map(|&hunt| rejections(None, hunt, QUICK).0)
-        .collect();
+    assert_eq!(experiments.len(), 10);
+    let runs = experiments.into_iter();
+    let found: Vec<u64> = runs.map(|e| rejections(None, e, QUICK_RUNS).0).collect();
     assert!(found.iter().sum::<u64>() <= 1, "{found:?}");
 }
 
 /// Prints the table of docs/diagnostics.md.
 #[test]
 #[ignore = "takes many minutes"]
-fn every_planted_fault_is_found_in_99_of_100_runs() {
+fn every_planted_fault_is_detected_in_99_of_100_runs() {
     println!("| fault | found in | power, at 95% confidence | by, as a rule |");
     println!("| --- | --- | --- | --- |");
     let mut weak = Vec::new();
-    for (fault, hunt, name) in HUNTS {
-        let (found, tests) = rejections(Some(fault), hunt, LONG);
+    for (fault, experiment, name) in CASES {
+        let (found, tests) = rejections(Some(fault), experiment, LONG_RUNS);
         // The lower end of a two-sided interval of 90% is one-sided at 95%.
-        let [power, _] = clopper_pearson(found, LONG, 0.9);
-        let most = tests.iter().max_by_key(|(_, count)| **count);
-        let by = most.map_or("", |(test, _)| test);
-        println!("| {name} | {found} of {LONG} runs | above {power:.3} | {by} |");
+        let [power, _] = clopper_pearson(found, LONG_RUNS, 0.9);
+        let most_frequent = tests.iter().max_by_key(|(_, count)| **count);
+        let by = most_frequent.map_or("", |(test, _)| test);
+        println!("| {name} | {found} of {LONG_RUNS} runs | above {power:.3} | {by} |");
         if power <= 0.99 {
             weak.push(name);
         }
     }
-    assert!(weak.is_empty(), "found too seldom: {weak:?}");
+    assert!(weak.is_empty(), "power below 0.99: {weak:?}");
 }

@@ -7,21 +7,22 @@ use crate::markov::{Mutations, Perturbation, Target, bootstrap};
 use crate::path::dimensions;
 use crate::sampling::{Dimension, Sampler, Stream};
 
-/// Independent samples that chains are compared with.
+/// Number of independent samples with which chains are compared.
 const INDEPENDENT: u64 = 1 << 17;
 
 /// A density I on the hypercube.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Analytic {
-    /// One dimension, brightest next to one end of the interval: I = 1/10 + 4 x^3.
+    /// One dimension, with the maximum at one end of the interval: I = 1/10 + 4 x^3.
     Ramp,
-    /// Two dimensions: a ridge along the diagonal, of standard deviation 0.03, over a floor; for
-    /// x < 1/2 a third coordinate, in another stream, is read and weighed by 2z.
+    /// Two dimensions: a Gaussian ridge along the diagonal, of standard deviation 0.03, plus 0.05. For
+    /// x < 1/2 a third coordinate z, in another stream, is read, and I has the factor 2z.
     Ridge,
-    /// Two dimensions: two round islands of standard deviation 0.04 in a dark sea.
-    Islands,
-    /// Two dimensions, nearly flat: I = 1 + sin(2 pi x) sin(2 pi y) / 2, and so b = 1 is soon known.
-    Swell,
+    /// Two dimensions: two separate Gaussian peaks of standard deviation 0.04.
+    Peaks,
+    /// Two dimensions, nearly constant: I = 1 + sin(2 pi x) sin(2 pi y) / 2. So b = 1 has a small
+    /// standard error.
+    Sine,
     /// A coordinate chooses one of three techniques, whose densities over (x, y) differ; the number
     /// of techniques is a factor of I (Hachisuka et al. 2014, section 4.1).
     Multiplexed,
@@ -31,8 +32,8 @@ impl Analytic {
     pub const ALL: [Self; 5] = [
         Self::Ramp,
         Self::Ridge,
-        Self::Islands,
-        Self::Swell,
+        Self::Peaks,
+        Self::Sine,
         Self::Multiplexed,
     ];
 
@@ -41,10 +42,10 @@ impl Analytic {
         let tau = std::f64::consts::TAU;
         match self {
             Self::Ramp => 1.1,
-            // The tails of the ridge and of the islands are cut where they do not matter.
+            // The truncated tails of the ridge and of the peaks are negligible.
             Self::Ridge => 0.05 + 0.03 * tau.sqrt(),
-            Self::Islands => 2.0 * tau * 0.04 * 0.04,
-            Self::Swell | Self::Multiplexed => 1.0,
+            Self::Peaks => 2.0 * tau * 0.04 * 0.04,
+            Self::Sine | Self::Multiplexed => 1.0,
         }
     }
 }
@@ -87,11 +88,11 @@ impl Target for Analytic {
                 }
                 density
             }
-            Self::Islands => {
-                let island = |a: f64, b: f64| bell((x - a).powi(2) + (y - b).powi(2), 0.04);
-                island(0.3, 0.3) + island(0.7, 0.6)
+            Self::Peaks => {
+                let peak = |a: f64, b: f64| bell((x - a).powi(2) + (y - b).powi(2), 0.04);
+                peak(0.3, 0.3) + peak(0.7, 0.6)
             }
-            Self::Swell => 1.0 + 0.5 * (tau * x).sin() * (tau * y).sin(),
+            Self::Sine => 1.0 + 0.5 * (tau * x).sin() * (tau * y).sin(),
             Self::Multiplexed => {
                 let [choice] = sampler.get(dimensions::TECHNIQUE);
                 technique = ((choice * 3.0) as usize).min(2);
@@ -127,7 +128,7 @@ impl ChainTarget for AnalyticChains {
         self.target
     }
 
-    /// On the ramp steps are long enough for its end to matter.
+    /// On the ramp, steps are long enough to cross the end of the interval often.
     fn mutations(&self) -> Mutations {
         let small_step = match self.target {
             Analytic::Ramp => Perturbation::new(1.0 / 64.0, 0.25),
@@ -136,7 +137,7 @@ impl ChainTarget for AnalyticChains {
         Mutations::kelemen(self.large_step_probability, small_step)
     }
 
-    /// Of a multiplexed target, with all techniques at every place.
+    /// For a multiplexed target, sums all techniques at every point.
     fn independent(&self, seed: u64) -> IndependentEstimate {
         let mut target = self.target;
         let mut out = Observation::default();

@@ -1,5 +1,5 @@
-//! The large step (Kelemen et al. 2002, section 3): all coordinates are drawn anew, so that a chain
-//! reaches every part of the hypercube.
+//! The large step (Kelemen et al. 2002, section 3): all coordinates are resampled, so that a chain reaches
+//! every part of the hypercube.
 
 use rand::{Rng, RngExt};
 
@@ -15,7 +15,7 @@ impl LargeStep {
         rng.random()
     }
 
-    /// Both densities are 1.
+    /// Both proposal densities are 1.
     #[inline]
     pub(super) fn log_density_ratio(self) -> f64 {
         0.0

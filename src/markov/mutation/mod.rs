@@ -1,8 +1,8 @@
-//! Mutations: the kinds of proposals of a chain, each in a file of its own.
+//! Mutations: the kinds of proposals of a chain, each in its own file.
 //!
 //! A kind proposes a value for each dimension and gives the log ratio of its proposal densities. A chain
-//! chooses among the kinds of a weighted list and counts what becomes of each by name. A new kind is a
-//! file here and an entry in [`Mutation`].
+//! chooses among a weighted list of kinds and counts the proposals and acceptances of each. A new kind
+//! needs a file here and a variant of [`Mutation`].
 
 pub mod large_step;
 pub mod perturbation;
@@ -19,14 +19,14 @@ use crate::sampling::Dimension;
 /// The kinds of proposals.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mutation {
-    /// All coordinates anew.
+    /// Resamples all coordinates.
     LargeStep(LargeStep),
-    /// A perturbation of every coordinate.
+    /// Perturbs every coordinate.
     SmallStep(SmallStep),
 }
 
 impl Mutation {
-    /// What it is called in statistics.
+    /// Its name in statistics.
     pub fn name(&self) -> &'static str {
         match self {
             Self::LargeStep(_) => LargeStep::NAME,
@@ -44,8 +44,8 @@ impl Mutation {
     }
 
     /// log q(v -> u) - log q(u -> v) of a coordinate that moves from `u` to `v`: 0 for a symmetric kind.
-    /// A kind that is not symmetric in some dimension needs paths that all read it: unread coordinates
-    /// add nothing to the ratio.
+    /// A kind may be asymmetric only in dimensions that every path reads, because unread coordinates do
+    /// not contribute to the ratio.
     #[inline]
     pub fn log_density_ratio(&self, u: f32, v: f32, dimension: Dimension) -> f64 {
         match self {
@@ -60,7 +60,8 @@ impl Mutation {
         matches!(self, Self::LargeStep(_))
     }
 
-    /// After so many accepted proposals of this kind a coordinate is uniform on the circle to 1e-12.
+    /// Number of accepted proposals of this kind after which a coordinate is uniform on the circle to
+    /// 1e-12.
     pub fn steps_to_uniform(&self, dimension: Dimension) -> u64 {
         match self {
             Self::LargeStep(_) => 1,
@@ -95,7 +96,7 @@ impl Mutations {
         }
     }
 
-    /// Number of the kind that `u` in [0, 1) chooses.
+    /// Index of the kind that `u` in [0, 1) chooses.
     #[inline]
     pub fn choose(&self, u: f32) -> usize {
         let mut below = 0.0;
@@ -109,7 +110,7 @@ impl Mutations {
         last
     }
 
-    /// Kind number `i`.
+    /// The kind with index `i`.
     #[inline]
     pub fn kind(&self, i: usize) -> &Mutation {
         &self.kinds[i].1

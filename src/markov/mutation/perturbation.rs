@@ -10,7 +10,7 @@ use crate::fault::{Fault, planted};
 /// A symmetric random step on the circle [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Perturbation {
-    /// Its length is log-uniform between two bounds and its sign fair (Kelemen et al. 2002, section
+    /// Log-uniform length between the bounds s_1 and s_2, with a random sign (Kelemen et al. 2002, section
     /// 3.1).
     LogUniform {
         /// s_1.
@@ -25,10 +25,10 @@ pub enum Perturbation {
         /// Standard deviation.
         deviation: f32,
     },
-    /// A new uniform number with some probability, else no change: for a coordinate whose neighbouring
-    /// values map to unrelated paths.
+    /// A new uniform number with the given probability, otherwise no change. For a coordinate whose
+    /// neighbouring values map to unrelated paths.
     Redraw {
-        /// Of a new number.
+        /// Probability of a new number.
         probability: f32,
     },
 }
@@ -61,7 +61,7 @@ impl Perturbation {
                 ..
             } => {
                 let bits = rng.next_u64();
-                // 24 bits for the length, and one far from them for the sign.
+                // The highest 24 bits give the length, the lowest bit gives the sign.
                 let u = (bits >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
                 let length = longest * (log2_ratio * u).exp2();
                 let up = bits & 1 == 0 || (planted(Fault::Asymmetric) && bits & 6 == 0);
@@ -85,11 +85,11 @@ impl Perturbation {
         wrap(moved)
     }
 
-    /// After so many steps a coordinate is uniform on the circle to 1e-12.
+    /// Number of steps after which a coordinate is uniform on the circle to 1e-12.
     pub fn steps_to_uniform(&self) -> u64 {
         // -ln(1e-12).
         const LOG_TOLERANCE: f64 = 27.6;
-        // The slowest Fourier mode decays by exp(-2 pi^2 variance) a step, if that is small.
+        // The slowest Fourier mode decays by exp(-2 pi^2 variance) per step, if the variance is small.
         let by_variance =
             |variance: f64| LOG_TOLERANCE / (2.0 * std::f64::consts::PI.powi(2) * variance);
         let steps = match *self {
@@ -105,7 +105,7 @@ impl Perturbation {
                     let ln_ratio = -f64::from(log2_ratio) * std::f64::consts::LN_2;
                     (longest * longest - shortest * shortest) / (2.0 * ln_ratio)
                 };
-                // Long steps of one length decay by cos(2 pi length), perhaps not at all.
+                // For steps of nearly one length, mode n decays by cos(2 pi n length), which may be 1.
                 if longest > 0.125 {
                     f64::INFINITY
                 } else {

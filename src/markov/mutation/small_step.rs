@@ -8,10 +8,10 @@ use rand::Rng;
 use super::Perturbation;
 use crate::sampling::{Dimension, Stream};
 
-/// Perturbs every coordinate, each in the way of its class.
+/// Perturbs every coordinate, each by the perturbation of its class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallStep {
-    /// Dimensions with a perturbation of their own: the first entry that matches is used.
+    /// Dimensions with a perturbation of their own. The first entry that matches is used.
     classes: Vec<(Stream, Range<usize>, Perturbation)>,
     /// All other dimensions.
     rest: Perturbation,
@@ -30,7 +30,7 @@ impl From<Perturbation> for SmallStep {
 impl SmallStep {
     pub(super) const NAME: &str = "small step";
 
-    /// The same, but for the dimensions `indices` of `stream`.
+    /// Sets the perturbation of the dimensions `indices` of `stream`, unless an earlier call has set it.
     #[must_use]
     pub fn with(
         mut self,
@@ -42,7 +42,7 @@ impl SmallStep {
         self
     }
 
-    /// How a coordinate is perturbed.
+    /// The perturbation of a coordinate.
     #[inline]
     pub fn perturbation(&self, dimension: Dimension) -> Perturbation {
         self.classes

@@ -1,7 +1,8 @@
 //! Multiplexed Metropolis light transport for the paths that are too bright for independent samples.
 //!
-//! Bidirectional path tracing with independent samples, whose contributions are clamped ([`super::plan::clamp`]), and
-//! multiplexed Markov chains for the residual ([`redistribution`]): the sum of both is without bias.
+//! Bidirectional path tracing with independent samples, whose contributions are clamped
+//! ([`clamp`](super::plan::clamp)), plus multiplexed Markov chains for the residual (`redistribution`). The
+//! sum of both is unbiased.
 
 mod redistribution;
 pub mod target;
@@ -32,43 +33,49 @@ use crate::scene::{RayCounts, Scene};
 pub(super) fn render(
     scene: &Scene,
     settings: &Settings,
-    own: &MmltSettings,
+    method_settings: &MmltSettings,
     observer: &dyn Observer,
 ) -> Rendering {
     let start = Instant::now();
 
-    // Let a pilot decide how the light is divided.
-    let plan = own.plan.clone().unwrap_or_else(|| {
+    // Choose the clamp by a pilot.
+    let plan = method_settings.plan.clone().unwrap_or_else(|| {
         observer.phase("pilot");
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
-        Plan::new(scene, settings.seed, own, is_over)
+        Plan::new(scene, settings.seed, method_settings, is_over)
     });
 
     // Take independent samples and redistribute their residuals, block by block.
     observer.phase("rendering");
-    let mut driver = Mmlt::new(scene, settings, own, plan);
+    let mut driver = Mmlt::new(scene, settings, method_settings, plan);
     let mut clock = Clock::new(start, settings.budget, pixel_count(scene), observer);
     let target = TargetError::new(settings, pixel_count(scene));
     drive(&mut driver, &mut clock, target);
     driver.finish(settings, &clock)
 }
 
-/// The image of the chains alone, after so many passes of a render of `scene`.
-pub fn residual_image(scene: &Scene, own: &MmltSettings, seed: u64, passes: u64) -> Image {
+/// The image of the chains alone, after `passes` passes of a render of `scene`.
+pub fn residual_image(
+    scene: &Scene,
+    method_settings: &MmltSettings,
+    seed: u64,
+    passes: u64,
+) -> Image {
     let settings = Settings {
         budget: Budget::SamplesPerPixel(passes),
         seed,
-        ..Settings::of(Integrator::Mmlt(own.clone()))
+        ..Settings::of(Integrator::Mmlt(method_settings.clone()))
     };
-    let plan = own.plan.clone();
-    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, own, || false));
-    let mut driver = Mmlt::new(scene, &settings, own, plan);
+    let plan = method_settings.plan.clone();
+    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, method_settings, || false));
+    let mut driver = Mmlt::new(scene, &settings, method_settings, plan);
     let pixels = pixel_count(scene);
     let mut clock = Clock::new(Instant::now(), settings.budget, pixels, &Unobserved);
     drive(&mut driver, &mut clock, TargetError::new(&settings, pixels));
     driver.estimate.image(|pixel| driver.chains.value(pixel))
 }
 
+/// The state of a render: independent samples and chains.
 struct Mmlt<'a> {
     scene: &'a Scene,
     plan: Plan,
@@ -94,7 +101,7 @@ impl TileBuffer for MmltTile {
 
 impl Driver for Mmlt<'_> {
     fn advance(&mut self, clock: &Clock) {
-        // Take independent samples: their clamped part counts at once.
+        // Take independent samples and add their clamped part to the film.
         let (scene, clamp, film) = (self.scene, &self.plan.clamp, &self.film);
         let tiles = self
             .passes
@@ -102,11 +109,11 @@ impl Driver for Mmlt<'_> {
                 sample(scene, clamp, film, sampler, workspace, tile);
                 tile.clamped.add_last(pixel);
             });
-        let clamped = tiles.iter().map(|(tile, own)| (tile, &own.clamped));
+        let clamped = tiles.iter().map(|(tile, buffer)| (tile, &buffer.clamped));
         self.estimate.add(clamped);
 
-        // Let chains redistribute the residual.
-        let residuals = tiles.iter().flat_map(|(_, own)| own.residuals.iter());
+        // Redistribute the residuals by chains.
+        let residuals = tiles.iter().flat_map(|(_, buffer)| buffer.residuals.iter());
         let residuals = residuals.copied().collect();
         let samples = tiles.iter().map(|(tile, _)| tile.samples()).sum();
         let non_finite = &mut self.estimate.non_finite;
@@ -149,7 +156,8 @@ impl Driver for Mmlt<'_> {
     }
 }
 
-/// Takes an independent sample: leaves its clamped splats in `tile.clamped.last`, and appends its residuals.
+/// Takes an independent sample: stores its clamped splats in `tile.clamped.last`, and appends its residuals
+/// to `tile.residuals`.
 #[inline]
 fn sample(
     scene: &Scene,
@@ -163,8 +171,8 @@ fn sample(
     clamped.last.clear();
     let start = *sampler;
     BidirectionalPathTracer.sample_paths(scene, sampler, workspace, |path| {
-        let [below, residual] = clamp.split(path.technique.edges(), path.splat());
-        clamped.last.add(path.technique, below);
+        let [splat, residual] = clamp.split(path.technique.edges(), path.splat());
+        clamped.last.add(path.technique, splat);
         let density = f64::from(clamp.luminance(residual));
         if density > 0.0 && density.is_finite() && is_light(residual.value) {
             residuals.push(Residual {
@@ -176,7 +184,7 @@ fn sample(
     });
 }
 
-/// A pixel of the image after `samples` independent samples.
+/// The value of a pixel after `samples` independent samples of the film.
 #[inline]
 fn value(
     estimate: &ImageEstimate,
@@ -189,13 +197,18 @@ fn value(
 }
 
 impl<'a> Mmlt<'a> {
-    fn new(scene: &'a Scene, settings: &Settings, own: &MmltSettings, plan: Plan) -> Self {
+    fn new(
+        scene: &'a Scene,
+        settings: &Settings,
+        method_settings: &MmltSettings,
+        plan: Plan,
+    ) -> Self {
         let film = &scene.film;
         Self {
             film: FilmSampler::new(film.width, film.height, film.filter),
             passes: PassLoop::new(scene, settings.seed),
             estimate: ImageEstimate::new(scene, settings),
-            chains: Redistribution::new(scene, settings.seed, own.small_step),
+            chains: Redistribution::new(scene, settings.seed, method_settings.small_step),
             scene,
             plan,
         }
@@ -227,7 +240,7 @@ impl<'a> Mmlt<'a> {
             image,
             error,
             statistics,
-            interrupted: clock.was_cut_short(samples),
+            interrupted: clock.was_cancelled(samples),
             warnings,
         }
     }

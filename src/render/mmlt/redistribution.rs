@@ -1,10 +1,10 @@
 //! Energy redistribution (Cline et al. 2005, "Energy redistribution path tracing") by multiplexed chains
 //! (Hachisuka et al. 2014): chains start at independent samples, in proportion to their residuals.
 //!
-//! N independent samples find residuals with densities T_1, T_2, ... and sum W, so that W/N estimates b =
-//! sum b_k without bias. They are resampled in proportion to T: each of some chains, x on average, starts at
-//! one of them and makes m mutations. On average over the independent samples, the chains are in
-//! equilibrium from their first state on, so that
+//! N independent samples find residuals with densities T_1, T_2, ... of sum W, so that W/N is an unbiased
+//! estimate of b = sum b_k. The residuals are resampled in proportion to T: each of a number of chains with
+//! mean x starts at one of them and makes m mutations. On average over the independent samples, the chains
+//! are in equilibrium from their first state on, so that
 //!
 //!   (W/N) (1/(x m)) sum over all visits of F/I
 //!
@@ -13,10 +13,10 @@
 //! (Veach and Guibas 1997, section 5.1, weight their chains in the same way). A length m that depended on W
 //! would depend on the start, because W contains its T.
 //!
-//! This is done anew for every block of samples. Every sample of the render refines b_k, like the large
-//! steps of other chains, and is a possible start of a chain. So the chains need no large steps.
+//! This is repeated for every block of samples. Every sample of the render refines the estimates of b_k, as
+//! large steps do in other methods, and is a possible start of a chain. So the chains need no large steps.
 //!
-//! Resampling is systematic, over the samples in the order of their path lengths: every length has
+//! Resampling is systematic, over the residuals in the order of path length: every length receives
 //! mutations in proportion to its b_k, up to the rounding of one chain.
 
 use rand::RngExt;
@@ -39,25 +39,25 @@ use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;
 
-/// Mutations of a chain: fewest, in a small block, and most.
-const MUTATIONS: [u64; 2] = [64, 8192];
+/// Minimum and maximum number of mutations of a chain. The minimum applies to small blocks.
+const MUTATIONS_PER_CHAIN: [u64; 2] = [64, 8192];
 
-/// Most mutations per independent sample: where they do not suffice, each carries more energy.
-const MAX_PER_SAMPLE: f64 = 8.0;
+/// Maximum number of mutations per independent sample. If more are wanted, each carries more energy instead.
+const MAX_MUTATIONS_PER_SAMPLE: f64 = 8.0;
 
-/// Probability with which a step draws the technique anew. Otherwise it stays: neighbouring values of this
-/// coordinate mean the same technique or unrelated paths.
+/// Probability that a small step resamples the technique. Otherwise the technique is kept: neighbouring
+/// values of this coordinate mean the same technique or unrelated paths.
 const TECHNIQUE_REDRAW: f32 = 0.02;
 
-/// The residual of a path that an independent sample has found.
+/// The residual of a path of an independent sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Residual {
     /// The sample.
     pub sample: PixelSampler,
-    /// The technique that found the path.
+    /// The technique that sampled the path.
     pub technique: Technique,
-    /// T: the luminance in units of the importance map, over the density with which pixel samples place
-    /// samples on the film.
+    /// T: luminance of the residual in units of the importance map, over the density of the film position
+    /// of `sample`.
     pub density: f64,
 }
 
@@ -74,13 +74,13 @@ pub fn mutations(small_step: impl Into<SmallStep>) -> Mutations {
 
 /// m: mutations of each chain of a block of `samples` samples.
 fn mutations_per_chain(samples: u64) -> u64 {
-    let [fewest, most] = MUTATIONS;
-    (samples / 2).clamp(fewest, most)
+    let [min, max] = MUTATIONS_PER_CHAIN;
+    (samples / 2).clamp(min, max)
 }
 
 /// x: mean number of chains of a block whose residuals have the sum `total`, over `samples` samples.
 fn mean_chains(total: f64, samples: u64, energy: f64) -> f64 {
-    let mutations = (total / energy).min(MAX_PER_SAMPLE * samples as f64);
+    let mutations = (total / energy).min(MAX_MUTATIONS_PER_SAMPLE * samples as f64);
     mutations / mutations_per_chain(samples) as f64
 }
 
@@ -89,25 +89,28 @@ pub(super) struct Redistribution<'a> {
     scene: &'a Scene,
     seed: u64,
     mutations: Mutations,
-    /// Splats of the chains: of all complete passes, and of the current one.
+    /// Splats of the chains in all complete passes.
     complete: SplatFilm,
+    /// Splats of the chains in the current pass.
     current: SplatFilm,
-    /// Independent samples of the passes of either.
+    /// Independent samples of the complete passes.
     complete_samples: u64,
+    /// Independent samples of the current pass.
     current_samples: u64,
     /// Blocks redistributed.
     blocks: u64,
+    /// Memory for the splats of the chains of a block.
     logs: Vec<SplatLog>,
     /// Rays of the chains.
     pub rays: RayCounts,
     /// Chains started.
     pub chains: u64,
-    /// Their events.
+    /// Their counters.
     pub counters: ChainCounters,
 }
 
 impl<'a> Redistribution<'a> {
-    /// No chain yet.
+    /// Without chains so far.
     pub fn new(scene: &'a Scene, seed: u64, small_step: Perturbation) -> Self {
         let film = &scene.film;
         let film = SplatFilm::new(film.width, film.height, film.filter);
@@ -135,7 +138,7 @@ impl<'a> Redistribution<'a> {
         samples: u64,
         non_finite: &mut NonFinite,
     ) {
-        // Start chains in proportion to the densities: every length gets its share.
+        // Resample starts in proportion to the densities, ordered by path length.
         residuals.sort_by_key(|residual| residual.technique.edges());
         if planted(Fault::LengthShares) {
             residuals.iter_mut().for_each(|residual| {
@@ -185,14 +188,14 @@ impl<'a> Redistribution<'a> {
         self.blocks += 1;
     }
 
-    /// Every pixel has been sampled once more.
+    /// Completes a pass: every pixel has one more sample.
     pub fn end_pass(&mut self) {
         self.complete.take(&mut self.current);
         self.complete_samples += std::mem::take(&mut self.current_samples);
     }
 
-    /// The estimate of the residual at a pixel. In an incomplete pass chains start in a part of the image
-    /// only, so it does not count unless there is no other.
+    /// The estimate of the residual at a pixel, from all complete passes. The current pass is used only if
+    /// there are none, because its chains start in a part of the image only.
     pub fn value(&self, pixel: usize) -> [f64; 3] {
         let (film, samples) = if self.complete_samples > 0 {
             (&self.complete, self.complete_samples)
@@ -202,13 +205,13 @@ impl<'a> Redistribution<'a> {
         film.sum(pixel).map(|sum| sum / samples.max(1) as f64)
     }
 
-    /// A generator of this block: 0 for the choice of starts, the others for its chains.
+    /// A generator of this block: index 0 for the choice of starts, i + 1 for chain i.
     fn generator(&self, index: u64) -> Xoshiro256PlusPlus {
         let index = (self.blocks << 32) + index;
         seeds::generator(self.seed, Purpose::Redistribution, index)
     }
 
-    /// A chain from `start` on, all of whose visits have the weight `weight`.
+    /// Runs a chain from `start`. All its visits have the weight `weight`.
     fn chain(
         &self,
         clamp: &Clamp,
@@ -230,7 +233,7 @@ impl<'a> Redistribution<'a> {
     }
 }
 
-/// Logs a sample with the weight that it has gathered.
+/// Logs a sample with its accumulated weight.
 #[inline]
 fn log_sample(log: &mut SplatLog, sample: &Sample<SplatList>, weight: f64) {
     let visits = sample.weights.chain;
@@ -251,7 +254,7 @@ mod tests {
 
     /// The length of a chain does not depend on what the block has found.
     #[test]
-    fn chains_have_the_energy_that_is_wanted_within_limits() {
+    fn mutations_have_the_wanted_energy_within_limits() {
         assert_eq!(
             [10, 4096, 1 << 16].map(mutations_per_chain),
             [64, 2048, 8192]

@@ -11,9 +11,9 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;
 
-/// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section
-/// 4.2). The density is the luminance of the residual, in units of the importance map, times the number of
-/// techniques of that length: its mean b_k is that of the sum over all techniques.
+/// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section 4.2).
+/// The density is the luminance of the residual, in units of the importance map, times the number of
+/// techniques of that length. So its mean b_k equals the mean of the sum over all techniques.
 pub struct MultiplexedTarget<'a> {
     scene: &'a Scene,
     clamp: &'a Clamp,
@@ -87,7 +87,7 @@ impl Target for MultiplexedTarget<'_> {
     }
 }
 
-/// A sample with a technique: where a chain starts.
+/// The start of a chain: a sample with a technique coordinate.
 #[derive(Clone, Copy, Debug)]
 pub struct WithTechnique<S> {
     sample: S,
@@ -95,8 +95,8 @@ pub struct WithTechnique<S> {
 }
 
 impl<S> WithTechnique<S> {
-    /// `sample` with a technique coordinate that chooses `technique`; `u` in [0, 1) is the place within
-    /// its part of the unit interval.
+    /// `sample` with a technique coordinate that chooses `technique`. `u` in [0, 1) is the position within
+    /// the interval of the technique.
     pub fn new(sample: S, technique: Technique, u: f32) -> Self {
         let count = Technique::count(technique.edges()) as f32;
         let choice = (technique.index() as f32 + u) / count;

@@ -1,28 +1,29 @@
 //! Clamping: the light of every path is divided between independent samples and Markov chains.
 //!
 //! Let F be the weighted contribution of one technique at one point of the hypercube, and l = lum(F) / m
-//! its luminance in units of the importance map m where it lands. With a threshold tau
+//! its luminance in units of the importance map m at its film position. With a threshold tau
 //!
 //!   F = F min(1, tau/l) + F max(0, 1 - tau/l).                                               (1)
 //!
-//! Independent samples carry the first term, the clamped part; chains carry the second, the residual. The
-//! clamped part is bounded by tau m, so that no bright path disturbs the image of the independent samples.
-//! The residual is zero for all paths below the threshold, so that chains spend no mutation on light that
-//! independent samples find well. The sum of both is F for any map and threshold: neither adds bias.
+//! Independent samples estimate the first term, the clamped part; chains estimate the second, the residual.
+//! The clamped part is at most tau m, so bright paths cause no outliers in the image of the independent
+//! samples. The residual is zero for all paths below the threshold, so chains spend no mutation on light
+//! that independent samples find well. The sum of both is F for any map and threshold: neither adds bias.
 //!
 //! Map and threshold determine the error at equal time. Relative to the map, for one independent sample
 //! per pixel, the clamped part has the second moment V(tau) = E[min(l, tau)^2] and costs c_p rays. The
 //! residual has the energy E(tau) = E[(l - tau)+]. If each mutation splats the energy e, it takes E/e
-//! mutations of c_m rays and has the second moment eta e E, where eta mutations are worth one independent
-//! path. Error times cost is
+//! mutations of c_m rays and has the second moment eta e E, where eta mutations are equivalent to one
+//! independent path. Error times cost is
 //!
 //!   (V + eta e E) (c_p + c_m E/e),                                                           (2)
 //!
-//! which is least for e^2 = V c_m / (eta c_p), where its square root is
+//! which is minimal for e^2 = V c_m / (eta c_p). The square root of the minimum is
 //!
 //!   sqrt(V(tau) c_p) + sqrt(eta c_m) E(tau).                                                 (3)
 //!
-//! The chosen tau minimises (3). An infinite tau is bidirectional path tracing.
+//! The chosen tau is the greatest for which (3) is close to its minimum (`SCORE_TOLERANCE`). An infinite
+//! tau is bidirectional path tracing.
 
 use super::MmltSettings;
 use super::importance::ImportanceMap;
@@ -31,19 +32,19 @@ use crate::fault::{Fault, planted};
 use crate::film::Splat;
 use crate::math::luminance;
 
-/// eta of (2): mutations of a chain that are worth one independent path. On the scenes of the repository
-/// values from 10 to 400 give about the same errors.
+/// eta of (2): number of mutations that are equivalent to one independent path. On the scenes of the
+/// repository, values from 10 to 400 give about the same errors.
 const CORRELATION: f64 = 50.0;
 
 /// c_m of (2): rays of a mutation, measured on the scenes of the repository.
 const RAYS_PER_MUTATION: f64 = 4.5;
 
-/// Scores up to this many times the least count as equally good: (3) is optimistic when bright paths are
+/// Scores within this factor of the minimum are treated as equal: (3) is optimistic when bright paths are
 /// scattered, because it assumes that chains explore all of them.
 const SCORE_TOLERANCE: f64 = 1.3;
 
-/// Number of edges up to which independent samples carry all light if direct light is separate: directly
-/// visible lights, and direct lighting.
+/// Maximum number of edges of paths that are not clamped if direct light is separate: directly visible
+/// lights, and direct lighting.
 const DIRECT_EDGES: usize = 2;
 
 /// The rule (1), and the energy of a mutation.
@@ -51,19 +52,20 @@ const DIRECT_EDGES: usize = 2;
 pub struct Clamp {
     /// m.
     map: ImportanceMap,
-    /// tau, in units of the map; at infinity nothing is left to chains.
+    /// tau, in units of the map; infinite if there is no residual.
     pub threshold: f32,
-    /// Independent samples carry all paths with so many edges or fewer.
+    /// Paths with at most this many edges are not clamped.
     unclamped_edges: usize,
     /// e of (2).
     pub energy: f64,
-    /// The square root of (2) without chains, over that with them. Its square is the expected ratio of
-    /// errors at equal time.
+    /// (3) without chains (infinite tau) over (3) with them. Its square is the expected ratio of errors at
+    /// equal time.
     pub gain: f64,
 }
 
 impl Clamp {
-    /// The best clamp for a film of `size` pixels, as estimated from `pilot`.
+    /// The best clamp by (3) for a film of `size` pixels, as estimated from `pilot`. `settings` may fix its
+    /// threshold.
     pub fn new(size: [u32; 2], pilot: &Pilot, settings: &MmltSettings) -> Self {
         let splats: Vec<Splat> = pilot.found.iter().map(|found| found.splat).collect();
         let map = if settings.importance_map {
@@ -110,7 +112,7 @@ impl Clamp {
         })
     }
 
-    /// The share of the clamped part.
+    /// The share of the clamped part: min(1, tau/l), or 1 for paths that are not clamped.
     #[inline]
     fn share(&self, edges: usize, splat: Splat) -> f32 {
         if edges <= self.unclamped_edges {
@@ -135,8 +137,9 @@ impl Clamp {
 struct Moments {
     /// l of the paths that may be clamped.
     clampable: Vec<f64>,
-    /// Second moment of all others.
+    /// Second moment of all other paths.
     rest: f64,
+    /// Number of samples of the pilot.
     samples: f64,
     /// c_p.
     rays: f64,
@@ -169,18 +172,18 @@ impl Moments {
     }
 
     /// E(tau).
-    fn excess(&self, threshold: f64) -> f64 {
-        let excess = self.clampable.iter().map(|l| (l - threshold).max(0.0));
-        excess.sum::<f64>() / self.samples
+    fn residual(&self, threshold: f64) -> f64 {
+        let residuals = self.clampable.iter().map(|l| (l - threshold).max(0.0));
+        residuals.sum::<f64>() / self.samples
     }
 
     /// (3).
     fn score(&self, threshold: f64) -> f64 {
-        let plain = (self.second_moment(threshold) * self.rays).sqrt();
-        plain + (CORRELATION * RAYS_PER_MUTATION).sqrt() * self.excess(threshold)
+        let independent = (self.second_moment(threshold) * self.rays).sqrt();
+        independent + (CORRELATION * RAYS_PER_MUTATION).sqrt() * self.residual(threshold)
     }
 
-    /// The best energy of a mutation.
+    /// The energy of a mutation that minimises (2).
     fn energy(&self, threshold: f64) -> f64 {
         let second_moment = self.second_moment(threshold);
         let energy = (second_moment * RAYS_PER_MUTATION / (CORRELATION * self.rays)).sqrt();
@@ -188,8 +191,9 @@ impl Moments {
         if energy > 0.0 { energy } else { 1.0 }
     }
 
-    /// The greatest threshold whose score is close to the least, among powers of the square root of 2, up
-    /// to about the brightest path of the pilot: brighter paths, which it has not found, go to the chains.
+    /// The greatest threshold whose score is close to the minimum, among powers of the square root of 2 up
+    /// to about the brightest path of the pilot. Brighter paths, which the pilot has not found, are left to
+    /// the chains.
     fn best(&self) -> f64 {
         let brightest = self.clampable.iter().copied().fold(1.0, f64::max);
         let steps = (2.0 * brightest.log2()).ceil() as i32;
@@ -252,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn joint_direct_light_is_clamped() {
+    fn direct_light_is_clamped_unless_separate() {
         let settings = MmltSettings {
             separate_direct: false,
             threshold: Some(1.0),
@@ -263,10 +267,10 @@ mod tests {
         assert!((clamped.value.x - 2.0).abs() < 0.2, "{}", clamped.value);
     }
 
-    /// Where all paths are alike chains gain nothing. Where one path in a thousand has half of the light
-    /// they gain much, and the threshold lies between the two kinds.
+    /// If all paths are equally bright, chains gain nothing. If one path in a thousand has half of the
+    /// light, they gain much, and the threshold lies between the two luminances.
     #[test]
-    fn chains_pay_where_few_paths_have_much_light() {
+    fn chains_reduce_the_error_if_few_paths_have_much_light() {
         let even = clamp(&pilot(1 << 14, |_| 1.0));
         assert!((even.gain - 1.0).abs() < 1e-3, "{}", even.gain);
         let rare = |i: u64| if i.is_multiple_of(1000) { 1000.0 } else { 1.0 };

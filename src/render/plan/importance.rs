@@ -1,12 +1,12 @@
-//! An importance map of the image: a coarse estimate of its luminance, so that dark regions get their
-//! share of the work (Veach and Guibas 1997, "Metropolis light transport", section 5.3; Hoberock
-//! and Hart 2010, "Arbitrary importance functions for Metropolis light transport").
+//! An importance map of the image: a coarse estimate of its luminance, by which samples are weighted so
+//! that dark regions receive enough of the work (Veach and Guibas 1997, "Metropolis light transport",
+//! section 5.3; Hoberock and Hart 2010, "Arbitrary importance functions for Metropolis light transport").
 
 use crate::film::Splat;
 use crate::math::luminance;
 
-/// Expected luminance at every place of the film, in the unit of the image: positive, and constant within
-/// cells.
+/// Expected luminance at every film position, in the unit of the image: positive, and constant within each
+/// cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportanceMap {
     columns: usize,
@@ -15,17 +15,17 @@ pub struct ImportanceMap {
 }
 
 impl ImportanceMap {
-    /// Samples that a cell should have on average.
-    const SAMPLES: f64 = 64.0;
+    /// Mean number of samples per cell, unless [`Self::MAX_CELLS`] limits the number of cells.
+    const SAMPLES_PER_CELL: f64 = 64.0;
 
-    /// Most cells.
+    /// Maximum number of cells.
     const MAX_CELLS: f64 = 1024.0;
 
-    /// No cell is darker than this part of the mean of the image: light there may have been missed.
+    /// Lower bound on a cell, relative to the mean of the image: light there may have been missed.
     const MIN_LEVEL: f64 = 0.02;
 
-    /// A splat counts for at most this many times the mean of the image, so that a single bright path does
-    /// not dominate its cell.
+    /// Upper bound on a splat, relative to the mean of the image, so that a single bright path does not
+    /// dominate its cell.
     const MAX_SPLAT: f64 = 50.0;
 
     /// The luminance `mean` everywhere, or 1 if the pilot has found no light.
@@ -44,7 +44,7 @@ impl ImportanceMap {
         if mean <= 0.0 {
             return Self::uniform(mean);
         }
-        let cells = (samples as f64 / Self::SAMPLES).clamp(1.0, Self::MAX_CELLS);
+        let cells = (samples as f64 / Self::SAMPLES_PER_CELL).clamp(1.0, Self::MAX_CELLS);
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         let columns = (cells * aspect).sqrt().round().clamp(1.0, Self::MAX_CELLS) as usize;
         let rows = ((cells / columns as f64).round() as usize).max(1);
@@ -85,7 +85,7 @@ impl ImportanceMap {
         row * self.columns + column
     }
 
-    /// The binomial filter (1, 2, 1)/4 along both sides, cut off at the border.
+    /// The binomial filter (1, 2, 1)/4 along both axes, truncated and renormalised at the border.
     fn blurred(&self, sums: &[f64], column: usize, row: usize) -> f64 {
         let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
         let (mut sum, mut weights) = (0.0, 0.0);
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::math::Rgb;
 
-    /// One splat in the middle of each cell of a 256 x 256 grid, dark to the left and bright to the right.
+    /// One splat at the centre of each cell of a 256 x 256 grid, dark on the left and bright on the right.
     fn two_halves() -> Vec<Splat> {
         let side = 256;
         let splat = |i: usize| {

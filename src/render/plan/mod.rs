@@ -14,22 +14,22 @@ pub use pilot::Pilot;
 /// Settings of multiplexed Metropolis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MmltSettings {
-    /// How a small step perturbs all coordinates but the technique.
+    /// Perturbation of all coordinates but the technique by a small step.
     pub small_step: Perturbation,
     /// Direct light is not clamped.
     pub separate_direct: bool,
-    /// Use an importance map; otherwise all regions of the image count by their luminance.
+    /// Use an importance map; otherwise all regions of the image are weighted by their luminance.
     pub importance_map: bool,
-    /// tau of [`clamp`]; `None` for the best.
+    /// tau of [`clamp`]; `None` to choose the best by the pilot.
     pub threshold: Option<f32>,
-    /// Made by an earlier pilot for the same scene and settings; `None` to run one.
+    /// The plan of an earlier pilot for the same scene and settings; `None` to run a pilot.
     pub plan: Option<Plan>,
 }
 
 impl Default for MmltSettings {
     fn default() -> Self {
         Self {
-            // Over many scales, so that some steps suit features of any size.
+            // Lengths of many scales, so that some steps suit features of any size.
             small_step: Perturbation::new(1.0 / f32::exp2(18.0), 1.0 / 64.0),
             separate_direct: true,
             importance_map: true,
@@ -39,10 +39,10 @@ impl Default for MmltSettings {
     }
 }
 
-/// What the pilot decides.
+/// The result of the pilot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// How the light is divided.
+    /// How light is divided between independent samples and chains.
     pub clamp: Clamp,
     /// Samples of the pilot.
     pub samples: u64,
@@ -51,12 +51,17 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Runs a pilot, until `is_over` at the latest.
-    pub fn new(scene: &Scene, seed: u64, own: &MmltSettings, is_over: impl Fn() -> bool) -> Self {
+    /// Runs a pilot, which ends early when `is_over` returns true.
+    pub fn new(
+        scene: &Scene,
+        seed: u64,
+        method_settings: &MmltSettings,
+        is_over: impl Fn() -> bool,
+    ) -> Self {
         let pilot = Pilot::run(scene, seed, is_over);
         let size = [scene.film.width, scene.film.height];
         Self {
-            clamp: Clamp::new(size, &pilot, own),
+            clamp: Clamp::new(size, &pilot, method_settings),
             samples: pilot.samples,
             rays: pilot.rays,
         }

@@ -1,5 +1,5 @@
-//! The pilot: independent samples from which the clamp is chosen. The image contains none of them, so that
-//! no sample of the image depends on the choice.
+//! The pilot: independent samples from which the clamp is chosen. They are not part of the image, so the
+//! clamp is independent of the samples of the image.
 
 use std::ops::Range;
 
@@ -11,16 +11,16 @@ use crate::markov::bootstrap::sample;
 use crate::math::color;
 use crate::scene::{RayCounts, Scene};
 
-/// Samples evaluated by one task.
-const RUN: u64 = 256;
+/// Samples of one task.
+const TASK: u64 = 256;
 
 /// Samples between two checks of the clock.
 const BATCH: u64 = 1 << 12;
 
-/// Most samples.
+/// Maximum number of samples.
 const MAX_SAMPLES: u64 = 1 << 15;
 
-/// A path that was found.
+/// A path that carries light.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
     /// Number of edges.
@@ -34,24 +34,24 @@ pub struct Found {
 pub struct Pilot {
     /// Samples taken.
     pub samples: u64,
-    /// All paths with light, in the order of the samples.
+    /// All paths that carry light, in the order of the samples.
     pub found: Vec<Found>,
     /// Rays traced.
     pub rays: RayCounts,
 }
 
 impl Pilot {
-    /// Samples `scene`, until `is_over` at the latest.
+    /// Samples `scene`. The pilot ends early when `is_over` returns true.
     pub fn run(scene: &Scene, seed: u64, is_over: impl Fn() -> bool) -> Self {
         let mut pilot = Self::default();
         while pilot.samples < MAX_SAMPLES && (pilot.samples == 0 || !is_over()) {
             let first = pilot.samples;
-            let run = |run: u64| {
-                let start = first + run * RUN;
-                paths(scene, seed, start..start + RUN)
+            let task = |i: u64| {
+                let start = first + i * TASK;
+                paths(scene, seed, start..start + TASK)
             };
-            let runs: Vec<_> = (0..BATCH / RUN).into_par_iter().map(run).collect();
-            for (found, rays) in runs {
+            let tasks: Vec<_> = (0..BATCH / TASK).into_par_iter().map(task).collect();
+            for (found, rays) in tasks {
                 pilot.found.extend(found);
                 pilot.rays += rays;
             }
@@ -61,7 +61,7 @@ impl Pilot {
     }
 }
 
-/// The paths of some uniform samples, and their rays.
+/// The paths of the uniform samples `samples`, and their rays.
 fn paths(scene: &Scene, seed: u64, samples: Range<u64>) -> (Vec<Found>, RayCounts) {
     let mut workspace = Workspace::default();
     let mut found = Vec::new();
