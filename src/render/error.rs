@@ -16,7 +16,7 @@ use crate::statistics::Moments;
 pub struct ErrorEstimate {
     /// Standard error of every pixel and channel, in the unit of the image.
     pub standard_errors: Vec<[f32; 3]>,
-    /// Expected [`crate::metrics::relative_mse`] of the image.
+    /// Expected [`relative_mse()`](crate::metrics::relative_mse()) of the image.
     pub relative_mse: f64,
     /// Number of independent parts of the samples whose spread was measured: passes over all pixels, or
     /// groups of chains. The standard errors have `parts` - 1 degrees of freedom.

@@ -153,7 +153,7 @@ pub struct Settings {
     /// Estimate the standard error of every pixel.
     pub error: bool,
     /// End the render before the budget is spent when the estimated relMSE
-    /// ([`crate::metrics::relative_mse`]) is at most this. The error of `pssmlt` is estimated from the
+    /// ([`relative_mse()`](crate::metrics::relative_mse())) is at most this. The error of `pssmlt` is estimated from the
     /// spread of chains, so with a single chain only the budget ends the render.
     pub target_error: Option<f64>,
     /// The same seed gives the same image.
