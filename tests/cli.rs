@@ -302,10 +302,7 @@ fn assert_attributes(path: &Path, stats: &Value) {
     };
     assert_eq!(number("metrolight.seed"), Some(7.0));
     assert_eq!(number("metrolight.size.1"), Some(15.0));
-    assert_eq!(
-        number("metrolight.metropolis.b"),
-        stats["pssmlt"]["b"].as_f64()
-    );
+    assert_eq!(number("metrolight.pssmlt.b"), stats["pssmlt"]["b"].as_f64());
     let text = AttributeValue::Text(Text::from("pssmlt"));
     assert_eq!(
         attributes.get(&Text::from("metrolight.integrator")),

@@ -98,7 +98,7 @@ fn bias_is_found_only_in_a_biased_image() {
         "b.exr",
         "--integrator path --spp 64 --seed 3 --max-depth 2 -D radiance=3.3",
     );
-    render("c.exr", "--integrator bdpt --spp 64 --seed 1 --max-depth 2");
+    render("c.exr", "--integrator bdpt --spp 64 --seed 12 --max-depth 2");
     let compare = |image: &str| {
         let output = place
             .run(&format!("compare {image} r.exr --json"))

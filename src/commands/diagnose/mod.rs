@@ -208,6 +208,16 @@ impl Args {
         }
     }
 
+    fn pssmlt(&self) -> PssmltSettings {
+        let defaults = PssmltSettings::default();
+        PssmltSettings {
+            large_step_probability: self
+                .large_step_probability
+                .unwrap_or(defaults.large_step_probability),
+            ..defaults
+        }
+    }
+
     fn diagnose(
         &self,
         scene: &mut Scene,
@@ -216,18 +226,8 @@ impl Args {
     ) -> Result<Diagnosis, DiagnoseError> {
         match self.integrator {
             ChainIntegrator::Pssmlt => {
-                let defaults = PssmltSettings::default();
-                let own = PssmltSettings {
-                    large_step_probability: self
-                        .large_step_probability
-                        .unwrap_or(defaults.large_step_probability),
-                    ..defaults
-                };
-                diagnose(
-                    &PssmltChains::new(scene, own, self.threads),
-                    budget,
-                    progress,
-                )
+                let chains = PssmltChains::new(scene, self.pssmlt(), self.threads);
+                diagnose(&chains, budget, progress)
             }
             ChainIntegrator::Mmlt => {
                 let own = MmltSettings {
@@ -247,12 +247,20 @@ impl Args {
         diagnosis: &Diagnosis,
         verdict: &str,
     ) -> miette::Result<Value> {
+        let mut budget = serde_json::to_value(budget).into_diagnostic()?;
+        // With the options of the integrator.
+        match self.integrator {
+            ChainIntegrator::Pssmlt => {
+                budget["large_step_probability"] = json!(self.pssmlt().large_step_probability);
+            }
+            ChainIntegrator::Mmlt => budget["threshold"] = json!(self.threshold),
+        }
         Ok(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "scene": self.scene.path,
             "integrator": Method::from(self.integrator),
             "alpha": self.alpha,
-            "budget": serde_json::to_value(budget).into_diagnostic()?,
+            "budget": budget,
             "stationary": diagnosis.rejections(self.alpha).is_empty(),
             "verdict": verdict,
             "diagnosis": serde_json::to_value(diagnosis).into_diagnostic()?,
