@@ -51,7 +51,7 @@ fn paths(c: &mut Criterion) {
         let mutations = Mutations::kelemen(0.3, Perturbation::default());
         let mut chain = Chain::start(&mut target, start, rng, mutations);
         group.bench_function("pssmlt mutation", |bencher| {
-            bencher.iter(|| black_box(chain.step(&mut target).1.density));
+            bencher.iter(|| black_box(chain.step(&mut target).sample.density));
         });
         group.finish();
     }

@@ -203,8 +203,8 @@ fn walks_scatter_as_connections_do() {
             let sampler = &mut common::sample(i);
             BidirectionalPathTracer.sample_paths(&scene, sampler, &mut workspace, |_| {});
             let walks = [
-                (workspace.camera_vertices(), TransportMode::Radiance),
-                (workspace.light_vertices(), TransportMode::Importance),
+                (&workspace.camera.vertices[..], TransportMode::Radiance),
+                (&workspace.light.vertices[..], TransportMode::Importance),
             ];
             for (vertices, mode) in walks {
                 for (v, next) in vertices.iter().zip(&vertices[vertices.len().min(1)..]) {

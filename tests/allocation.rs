@@ -64,9 +64,9 @@ fn mutations_and_samples_allocate_nothing() {
         let mutations = Mutations::kelemen(0.3, Perturbation::default());
         let mut chain = Chain::start(&mut target, start, rng, mutations);
         // Let the buffers grow to the length of the longest path.
-        (0..10_000).for_each(|_| _ = chain.step(&mut target).0);
+        (0..10_000).for_each(|_| _ = chain.step(&mut target).kind);
         let during = allocations(|| {
-            (0..10_000).for_each(|_| _ = chain.step(&mut target).0);
+            (0..10_000).for_each(|_| _ = chain.step(&mut target).kind);
         });
         assert_eq!(during, 0, "{name}: allocations in 10000 mutations");
         assert_no_allocation(name, &scene, PathTracer);

@@ -278,7 +278,7 @@ fn a_pilot_chooses_the_integrator() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
         let arguments =
             format!("render {path}/{scene}/scene.xml --size 16x12 --spp 2 --stats s.json");
-        let told = contains(" is chosen: ").and(contains("--integrator overrules it"));
+        let told = contains(" is chosen: ").and(contains("--integrator overrides it"));
         place.run(&arguments).assert().success().stderr(told);
         let stats = place.json("s.json");
         let integrator = stats["integrator"].as_str().expect("a name").to_owned();

@@ -51,7 +51,7 @@ fn every_measurement_is_in_the_table_and_the_last_is_that_of_the_image() {
                     .map(|row| row[name].parse().expect("a number"))
                     .collect()
             };
-            for rising in ["moment", "seconds", "samples_per_pixel", "rays"] {
+            for rising in ["checkpoint", "seconds", "samples_per_pixel", "rays"] {
                 let values = column(rising);
                 assert!(
                     values.windows(2).all(|p| p[0] < p[1]),

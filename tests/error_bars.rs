@@ -110,7 +110,10 @@ fn calibrate(path: &str, integrator: Method, spp: u64, demanded: &str) -> Calibr
         .iter()
         .map(|(_, error)| error.relative_mse)
         .collect();
-    let single: Moments = renders.iter().map(|(_, error)| error.single).collect();
+    let single: Moments = renders
+        .iter()
+        .map(|(_, error)| error.dominated_share)
+        .collect();
     let ratio = estimate.mean / true_error.mean;
     let found = format!(
         "coverage of 95% intervals {:.1}%; relMSE expected {:.2e}, true {:.2e}; {:.1}% of pixels rest on \

@@ -164,7 +164,7 @@ fn estimate(chain: &mut Chain<Place>, steps: u64, p_large: f64, b: f64, b_0: f64
         }
     };
     for _ in 0..steps {
-        let (_, sample) = chain.step(&mut Ridge);
+        let sample = chain.step(&mut Ridge).sample;
         add(
             sample.density,
             sample.weights.chain * b / b_0 + sample.weights.large,
@@ -270,7 +270,7 @@ fn chains_with_the_same_start_have_independent_streams() {
     for _ in 0..100 {
         let proposals: Vec<f32> = chains
             .iter_mut()
-            .map(|chain| chain.step(&mut Ridge).1.contribution.x)
+            .map(|chain| chain.step(&mut Ridge).sample.contribution.x)
             .collect();
         // After an acceptance the sample is the common start.
         assert!(proposals[0] != proposals[1] || proposals[0] == begun[0]);

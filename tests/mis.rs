@@ -181,13 +181,13 @@ fn whole_path<'a>(
     sampler: &mut IndependentSampler,
 ) -> WholePath<'a> {
     let (s, t) = (technique.s(), technique.t());
-    let camera = workspace.camera_vertices();
-    let environment = workspace.environment_vertex();
+    let camera = &workspace.camera.vertices[..];
+    let environment = workspace.camera.environment.as_ref();
     let end = camera.len().min(t - 1);
     let mut surfaces: Vec<(SurfacePoint, u32)> = Vec::new();
     let pair = |v: &Vertex| (v.surface, v.material);
     if s >= 2 {
-        surfaces.extend(workspace.light_vertices()[..s - 1].iter().map(pair));
+        surfaces.extend(workspace.light.vertices[..s - 1].iter().map(pair));
     }
     surfaces.extend(camera[..end].iter().rev().map(pair));
     let emitter = match s {

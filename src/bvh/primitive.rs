@@ -10,7 +10,7 @@ use super::triangle::{Corners, LANES, Packet};
 /// Radius of the ball around the origin in which all primitives lie.
 pub const RADIUS: f32 = 1000.0;
 
-/// By how much boxes are larger than their contents.
+/// Padding of bounding boxes.
 ///
 /// For rays that start within 1.7 [`RADIUS`] of the centre, the slab test of a box at a distance of up
 /// to 2.7 radii errs by at most two roundings of 2^-24 of that distance and two of a coordinate (that

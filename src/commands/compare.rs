@@ -181,13 +181,15 @@ fn notes_on_errors(images: [(&str, &AnnotatedImage); 2]) -> Vec<String> {
                  test takes them as exact"
             ));
         }
-        let single = image.number("metrolight.error.pixels_resting_on_one_part");
-        if let Some(single) = single.filter(|&share| share > ErrorEstimate::MAX_SINGLE) {
+        let dominated = image.number("metrolight.error.pixels_dominated_by_one_part");
+        if let Some(dominated) =
+            dominated.filter(|&share| share > ErrorEstimate::MAX_DOMINATED_SHARE)
+        {
             notes.push(format!(
                 "in {:.0}% of the pixels of {name} nearly all variance comes from one part of the \
                  samples: its errors are probably larger than estimated, and the test may report \
                  bias where there is none",
-                100.0 * single
+                100.0 * dominated
             ));
         }
     }

@@ -25,20 +25,22 @@ pub struct IntegratorArgs {
     pub chains: Option<u64>,
 
     /// pssmlt: number of bootstrap samples
-    /// [default: as many as make the standard error of b small]
+    /// [default: until the standard error of b is 1%, from 2^17 to 2^22]
     #[arg(long, value_name = "N", value_parser = values::positive)]
     bootstrap: Option<u64>,
 
-    /// mmlt: how direct light is rendered: by independent samples only, or by both these and chains
+    /// mmlt: how direct light is rendered: by independent samples only (separate), or by independent samples
+    /// and chains (joint)
     #[arg(long, value_name = "MODE")]
     direct: Option<DirectName>,
 
-    /// mmlt: distribute chains by brightness alone, instead of equally over bright and dark regions
+    /// mmlt: no importance map: distribute mutations in proportion to luminance, instead of equally over
+    /// bright and dark regions
     #[arg(long)]
     no_importance_map: bool,
 
-    /// mmlt: brightness above which chains render the rest of a path's contribution, relative to the
-    /// expected brightness at its pixel [default: the pilot decides]
+    /// mmlt: threshold above which the residual of a path's contribution is sampled by chains, relative to
+    /// the expected brightness at its pixel [default: the pilot decides]
     #[arg(long, value_name = "T", value_parser = values::threshold)]
     threshold: Option<f32>,
 }

@@ -117,13 +117,13 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         scene,
         "camera subpath",
         'z',
-        replay.workspace.camera_vertices(),
+        &replay.workspace.camera.vertices,
     );
     subpath(
         scene,
         "light subpath",
         'y',
-        replay.workspace.light_vertices(),
+        &replay.workspace.light.vertices,
     );
     if replay.contributions.is_empty() {
         print("no technique found light");
@@ -142,7 +142,7 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
             "  {letter}_{i} at {} on {}, {}; alpha {}",
             triple(scene.to_world(surface.position)),
             scene.geometry.shape_name(surface.shape),
-            scene.materials[vertex.material as usize].name(),
+            vertex.material(scene).name(),
             triple(vertex.throughput.as_dvec3()),
         ));
     }

@@ -54,7 +54,7 @@ pub fn json(
             json!({
                 "relative_mse": error.relative_mse,
                 "independent_parts": error.parts,
-                "pixels_resting_on_one_part": error.single,
+                "pixels_dominated_by_one_part": error.dominated_share,
                 "target_relative_mse": settings.target_error,
             })
         }),

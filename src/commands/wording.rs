@@ -1,4 +1,4 @@
-//! The sentences in which the user reads warnings and choices of the library, and the flags that help.
+//! Text of the library's warnings and of its choice of an integrator, with the options that help.
 
 use metrolight::analysis::lost_light::PROBES;
 use metrolight::analysis::trapped_light::BOUNCES;
@@ -21,7 +21,7 @@ pub fn warning(warning: &Warning) -> String {
                 .into()
         }
         Warning::TargetNotReached { estimate, target } => format!(
-            "the relMSE is about {estimate:.2e}, and not yet {target:.2e}: render for longer"
+            "the estimated relMSE is {estimate:.2e}, above the target {target:.2e}: render for longer"
         ),
         Warning::RareContributions { share } => format!(
             "errors are probably larger than estimated: in {:.0}% of the pixels nearly all variance \
@@ -39,13 +39,13 @@ pub fn warning(warning: &Warning) -> String {
              is meant to be black, take more samples with --bootstrap"
         ),
         Warning::NormalisationUnknown => {
-            "b is not known, and neither is the brightness of the image: take more samples with \
-             --bootstrap"
+            "the standard error of b, and with it of the brightness of the image, cannot be estimated: \
+             take more samples with --bootstrap"
                 .into()
         }
         Warning::NormalisationUncertain { relative_error } => format!(
-            "b is known to {:.1}% only (one standard error), and so is the brightness of the \
-             image: render for longer, or take more samples with --bootstrap",
+            "the normalisation b, and with it the brightness of the image, has a standard error of \
+             {:.1}%: render for longer, or take more samples with --bootstrap",
             100.0 * relative_error
         ),
         Warning::Black => "the image is black: no path has found light".into(),
@@ -78,7 +78,7 @@ pub fn lost_light(lost: &LostLight) -> String {
         (TechniqueSet::Bidirectional, Loss::Nearly) => format!(
             "rare light: {surfaces} lit by {emitter} through smooth glass or mirrors and seen \
              through smooth glass or mirrors. Only paths that hit the emitter by chance find that \
-             light, and none of {PROBES} did. Expect bright dots, or darkness in their place. Use a \
+             light, and none of {PROBES} did. Expect fireflies, or darkness in their place. Use a \
              larger emitter, or make the glass or mirrors a little rough"
         ),
         (TechniqueSet::Path, Loss::Nearly) => format!(
@@ -104,15 +104,16 @@ pub fn trapped_light(trapped: &TrappedLight) -> String {
 pub fn choice(choice: &Choice) -> String {
     let reason = match choice.reason() {
         ChoiceReason::Gain(gain) => {
-            format!("chains should leave 1/{gain:.3} of bdpt's error in the same time")
+            format!("it is expected to have 1/{gain:.3} of the error of bdpt at equal time")
         }
         ChoiceReason::RareLight => {
-            "only rare and bright paths find some of the light, which bdpt shows as dots".into()
+            "only rare and bright paths find some of the light, which bdpt shows as fireflies"
+                .into()
         }
         ChoiceReason::NoBrightPaths => "no path is bright enough for chains to help".into(),
     };
     format!(
-        "{} is chosen: {reason} (a pilot of {} samples, {:.1} s; --integrator overrules it)",
+        "{} is chosen: {reason} (a pilot of {} samples, {:.1} s; --integrator overrides it)",
         choice.integrator.method().name(),
         choice.samples,
         choice.seconds

@@ -40,11 +40,11 @@ pub struct CurvePoint {
     pub rays: f64,
     /// Mean relMSE: an estimate of the expected relMSE.
     pub relative_mse: f64,
-    /// Least and greatest relMSE of any repeat.
+    /// Minimum and maximum relMSE of any repeat.
     pub spread: [f64; 2],
     /// Mean relMSE without the worst 0.1% of the pixels.
     pub relative_mse_trimmed: f64,
-    /// Least and greatest of these of any repeat.
+    /// Minimum and maximum of these of any repeat.
     pub spread_trimmed: [f64; 2],
 }
 
@@ -65,7 +65,7 @@ impl CurvePoint {
         }
     }
 
-    /// Least and greatest error of any repeat.
+    /// Minimum and maximum error of any repeat.
     pub fn spread(&self, measure: Measure) -> [f64; 2] {
         match measure {
             Measure::Whole => self.spread,

@@ -36,7 +36,7 @@ pub struct Measurement {
     pub variant: usize,
     /// Index of the repeat.
     pub repeat: u64,
-    /// Index of the scheduled time, the same in all repeats of a variant.
+    /// Index of the checkpoint, a scheduled time, the same in all repeats of a variant.
     pub index: usize,
     /// Work done so far.
     pub progress: Progress,

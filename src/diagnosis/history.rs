@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::DiagnoseError;
 use super::observation::{ChainTarget, Features, Observation, TILES};
 use super::starts::{Start, Starts};
-use crate::markov::{Chain, ChainCounters, KelemenWeights, Sample, bootstrap};
+use crate::markov::{Chain, ChainCounters, KelemenWeights, Sample, Step, bootstrap};
 use crate::render::Observer;
 use crate::sampling::seeds;
 
@@ -161,7 +161,12 @@ impl Recorder {
         let last = CHECKPOINTS[CHECKPOINTS.len() - 1];
         for step in 1..=last {
             let before = Features::of(self.chain.current());
-            let (kind, accepted) = self.step(target);
+            let Step {
+                kind,
+                accepted,
+                sample,
+            } = self.chain.step(target);
+            add(&mut self.history.integrals, &self.weights, sample);
             let after = || Features::of(self.chain.current());
             let recorded = [1, last].iter().position(|&s| s == step);
             if let Some(i) = recorded {
@@ -194,17 +199,6 @@ impl Recorder {
             .for_each(|part| part.scale(scale));
         self.history.counters = self.chain.counters;
         self.history
-    }
-
-    /// One step. Returns the kind of mutation, and whether it was accepted.
-    fn step<T>(&mut self, target: &mut T) -> (usize, bool)
-    where
-        T: crate::markov::Target<Contribution = Observation>,
-    {
-        let before = self.chain.counters.accepted();
-        let (kind, sample) = self.chain.step(target);
-        add(&mut self.history.integrals, &self.weights, sample);
-        (kind, self.chain.counters.accepted() > before)
     }
 }
 

@@ -19,6 +19,7 @@ use super::paths::{Brightest, ObservedSampler, light_of_tiles, set_film, tile};
 use crate::film::Splat;
 use crate::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
 use crate::markov::{Mutations, Perturbation, SmallStep, Target, bootstrap};
+use crate::math::color::is_light;
 use crate::math::luminance;
 use crate::render::MmltSettings;
 use crate::render::Plan;
@@ -168,7 +169,8 @@ impl<'a> MmltChains<'a> {
                     let density = f64::from(clamp.luminance(residual));
                     let has_chains =
                         self.lengths.is_empty() || self.lengths.iter().any(|l| l.edges == edges);
-                    if density > 0.0 && density.is_finite() && has_chains {
+                    let is_finite = density.is_finite() && is_light(residual.value);
+                    if density > 0.0 && is_finite && has_chains {
                         add(&mut sum, edges, residual, density);
                     }
                 });
@@ -242,7 +244,7 @@ impl<'a> MmltChains<'a> {
             let pixels = f64::from(super::paths::PIXELS).powi(2);
             let started = self.samples.renders as f64 * passes as f64 * pixels;
             let share = (started / self.samples.independent as f64).min(1.0);
-            // Where few chains come by, their mean is far from normal.
+            // In quadrants that few chains visit, their mean is far from normal.
             let all: f64 = chains.iter().map(|quadrants| quadrants[i]).sum();
             let squares: f64 = chains.iter().map(|quadrants| quadrants[i].powi(2)).sum();
             let is_testable = share * sum * sum > MIN_EFFECTIVE * square

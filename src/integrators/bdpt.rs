@@ -1,14 +1,12 @@
 //! Bidirectional path tracing (Veach 1997, chapter 10): all techniques (s, t) with t >= 1, for one pair of
 //! subpaths.
 
-use super::camera_paths::{LightWeights, camera_paths};
+use super::camera_paths::camera_paths;
 use super::{PathSampler, Workspace, max_edges};
 use crate::path::trace_light_subpath;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::technique::{
-    Connection, Hit, NextEvent, PathContribution, Technique, connect_to_camera, connect_vertices,
-};
+use crate::technique::{PathContribution, Technique, connect_to_camera, connect_vertices};
 
 /// Bidirectional path tracing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,7 +22,14 @@ impl PathSampler for BidirectionalPathTracer {
         mut visit: impl FnMut(PathContribution),
     ) {
         // s = 0 and s = 1.
-        let film = camera_paths::<AllTechniques, S>(scene, sampler, workspace, &mut visit);
+        let film = camera_paths(
+            scene,
+            sampler,
+            workspace,
+            |hit| hit.connection(),
+            |next_event| next_event.connection(),
+            &mut visit,
+        );
 
         // s >= 2: light subpath vertices, connected to the lens and to camera subpath vertices.
         let edges = max_edges(scene);
@@ -53,20 +58,5 @@ impl PathSampler for BidirectionalPathTracer {
                 }
             }
         }
-    }
-}
-
-/// Weights among all bidirectional techniques.
-struct AllTechniques;
-
-impl LightWeights for AllTechniques {
-    #[inline]
-    fn hit(hit: &Hit) -> Connection {
-        hit.connection()
-    }
-
-    #[inline]
-    fn next_event(next_event: &NextEvent) -> Connection {
-        next_event.connection()
     }
 }

@@ -11,21 +11,16 @@ use crate::technique::{
     Connection, Hit, NextEvent, PathContribution, Technique, hit_environment, hit_light,
 };
 
-/// The MIS weights of paths with s <= 1. They depend on the techniques that a method combines.
-pub(super) trait LightWeights {
-    /// Weights a path of technique s = 0.
-    fn hit(hit: &Hit) -> Connection;
-    /// Weights a path of technique s = 1.
-    fn next_event(next_event: &NextEvent) -> Connection;
-}
-
 /// Traces a camera subpath and calls `visit` for every path of techniques s = 0 and s = 1 that carries
-/// light. Returns the film position of the subpath.
+/// light, weighted by `weigh_hit` and `weigh_next_event`, which depend on the techniques that a method
+/// combines. Returns the film position of the subpath.
 #[inline]
-pub(super) fn camera_paths<W: LightWeights, S: Sampler>(
+pub(super) fn camera_paths<S: Sampler>(
     scene: &Scene,
     sampler: &mut S,
     workspace: &mut Workspace,
+    weigh_hit: impl Fn(&Hit) -> Connection,
+    weigh_next_event: impl Fn(&NextEvent) -> Connection,
     visit: &mut impl FnMut(PathContribution),
 ) -> Vec2 {
     let edges = max_edges(scene);
@@ -36,13 +31,13 @@ pub(super) fn camera_paths<W: LightWeights, S: Sampler>(
     for (i, z) in (1..).zip(&camera.vertices) {
         if let Some(hit) = hit_light(scene, z, i, previous) {
             let technique = Technique::Hit { t: i + 1 };
-            visit(PathContribution::new(technique, film, W::hit(&hit)));
+            visit(PathContribution::new(technique, film, weigh_hit(&hit)));
         }
         if i < edges
             && let Some(next_event) = NextEvent::sample(scene, z, i, sampler, rays)
         {
             let technique = Technique::NextEvent { t: i + 1 };
-            let connection = W::next_event(&next_event);
+            let connection = weigh_next_event(&next_event);
             visit(PathContribution::new(technique, film, connection));
         }
         previous = z.position();
@@ -53,7 +48,7 @@ pub(super) fn camera_paths<W: LightWeights, S: Sampler>(
         && let Some(hit) = hit_environment(scene, vertex, i)
     {
         let technique = Technique::Hit { t: i + 1 };
-        visit(PathContribution::new(technique, film, W::hit(&hit)));
+        visit(PathContribution::new(technique, film, weigh_hit(&hit)));
     }
     film
 }

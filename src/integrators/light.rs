@@ -2,15 +2,12 @@
 //! lens. It uses only technique t = 1, so there are no MIS weights. Light seen through or reflected by
 //! smooth surfaces is missing.
 
-use glam::Vec2;
-
 use super::{PathSampler, Workspace, max_edges};
-use crate::math::Rgb;
-use crate::path::{dimensions, trace_light_subpath};
+use crate::path::trace_light_subpath;
 use crate::sampling::Sampler;
-use crate::scene::{RayCounts, Scene};
-use crate::technique::camera::lens_point;
-use crate::technique::{Connection, PathContribution, Technique, connect_to_camera};
+use crate::scene::Scene;
+use crate::technique::camera::{connect_to_camera, visible_light};
+use crate::technique::{Connection, PathContribution, Technique};
 
 /// Light tracing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,30 +44,4 @@ impl PathSampler for LightTracer {
             }
         }
     }
-}
-
-/// Technique (1, 1): a directly visible light, sampled for the lens. Point and directional lights have no
-/// extent on the film and are invisible.
-fn visible_light<S: Sampler>(
-    scene: &Scene,
-    sampler: &mut S,
-    rays: &mut RayCounts,
-) -> Option<(Vec2, Connection)> {
-    let [u_light, u_primitive, x, y] = sampler.get::<4>(dimensions::next_event(0));
-    let lens = lens_point(scene, 0, sampler);
-    let from = scene.camera.lens_position(lens);
-    let direct = scene
-        .emitters
-        .sample_direct(from, u_light, u_primitive, Vec2::new(x, y))
-        .filter(|direct| !direct.delta)?;
-    let film = scene.camera.film_position(direct.direction, lens)?;
-    let emission = &direct.emission;
-    // The lens measures the integral of radiance times p_w, the density of its directions per steradian.
-    let importance = scene.camera.direction_pdf(direct.direction);
-    let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
-    let (near, far) = scene
-        .camera
-        .visible_segment(from, direct.direction, direct.target)?;
-    let visible = value != Rgb::ZERO && scene.geometry.visible(near, far, rays);
-    visible.then_some((film, Connection { value, weight: 1.0 }))
 }

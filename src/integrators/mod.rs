@@ -33,7 +33,7 @@ pub use path::PathTracer;
 pub use single::SingleTechnique;
 pub use splat_list::SplatList;
 
-use crate::path::{EnvironmentVertex, Subpath, Vertex};
+use crate::path::Subpath;
 use crate::sampling::Sampler;
 use crate::scene::{RayCounts, Scene};
 use crate::technique::PathContribution;
@@ -70,27 +70,12 @@ pub trait PathSampler: Sync {
 /// Memory that a path sampler reuses for every sample, and its ray counts.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    camera: Subpath,
-    light: Subpath,
+    /// The last camera subpath.
+    pub camera: Subpath,
+    /// The last light subpath.
+    pub light: Subpath,
     /// Rays traced so far.
     pub rays: RayCounts,
-}
-
-impl Workspace {
-    /// Surface vertices z_1, z_2, ... of the last camera subpath.
-    pub fn camera_vertices(&self) -> &[Vertex] {
-        &self.camera.vertices
-    }
-
-    /// Surface vertices y_1, y_2, ... of the last light subpath.
-    pub fn light_vertices(&self) -> &[Vertex] {
-        &self.light.vertices
-    }
-
-    /// The vertex at infinity of the last camera subpath, if it left the scene.
-    pub fn environment_vertex(&self) -> Option<&EnvironmentVertex> {
-        self.camera.environment.as_ref()
-    }
 }
 
 /// Maximum number of edges of a path, or an effectively unreachable bound if unlimited: Russian roulette

@@ -2,7 +2,7 @@
 //! against each other (Veach 1997, section 9.2). It shares the camera subpath with bidirectional path
 //! tracing, but not the recursive MIS weights, so a comparison of the two tests those weights.
 
-use super::camera_paths::{LightWeights, camera_paths};
+use super::camera_paths::camera_paths;
 use super::{PathSampler, Workspace};
 use crate::path::mis::{h, weight};
 use crate::sampling::Sampler;
@@ -22,27 +22,24 @@ impl PathSampler for PathTracer {
         workspace: &mut Workspace,
         mut visit: impl FnMut(PathContribution),
     ) {
-        camera_paths::<Unidirectional, S>(scene, sampler, workspace, &mut visit);
+        camera_paths(scene, sampler, workspace, hit, next_event, &mut visit);
     }
 }
 
-/// The weights of techniques s = 0 and s = 1 among these two.
-struct Unidirectional;
+/// Weighs a path of technique s = 0 against s = 1.
+#[inline]
+fn hit(hit: &Hit) -> Connection {
+    // Next event estimation samples neither paths of one edge nor connections of a delta vertex.
+    let next_event = if hit.edges == 1 || !hit.mis.connectible {
+        0.0
+    } else {
+        h(f64::from(hit.emission.pdf_direct) / hit.mis.forward)
+    };
+    hit.weighted(weight(0.0, next_event))
+}
 
-impl LightWeights for Unidirectional {
-    #[inline]
-    fn hit(hit: &Hit) -> Connection {
-        // Next event estimation samples neither paths of one edge nor connections of a delta vertex.
-        let next_event = if hit.edges == 1 || !hit.mis.connectible {
-            0.0
-        } else {
-            h(f64::from(hit.emission.pdf_direct) / hit.mis.forward)
-        };
-        hit.weighted(weight(0.0, next_event))
-    }
-
-    #[inline]
-    fn next_event(next_event: &NextEvent) -> Connection {
-        next_event.weighted(weight(next_event.hit_term(), 0.0))
-    }
+/// Weighs a path of technique s = 1 against s = 0.
+#[inline]
+fn next_event(next_event: &NextEvent) -> Connection {
+    next_event.weighted(weight(next_event.hit_term(), 0.0))
 }

@@ -39,7 +39,7 @@ pub mod mutation;
 pub mod primary_sample;
 
 pub use bootstrap::{Bootstrap, BootstrapLimits, systematic_resample};
-pub use chain::{Chain, ChainCounters, MutationCounters, Sample, Weights};
+pub use chain::{Chain, ChainCounters, MutationCounters, Sample, Step, Weights};
 pub use kelemen::KelemenWeights;
 pub use mutation::{Mutation, Mutations, Perturbation, SmallStep};
 pub use primary_sample::PrimarySample;

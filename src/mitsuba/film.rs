@@ -8,11 +8,11 @@ use crate::scene::FilmSettings;
 
 /// Mitsuba's default size.
 const DEFAULT_SIZE: [u32; 2] = [768, 576];
-/// Greatest number of pixels. Sums in f64 for more do not fit into the memory of a workstation.
+/// Maximum number of pixels. Sums in f64 for more do not fit into the memory of a workstation.
 const MAX_PIXELS: u64 = 1 << 28;
 /// Mitsuba's default filter.
 const DEFAULT_FILTER: Filter = Filter::Gaussian { stddev: 0.5 };
-/// Greatest width of a filter in pixels. The cost of a sample grows with its square.
+/// Maximum width of a filter in pixels. The cost of a sample grows with its square.
 const MAX_FILTER_WIDTH: f64 = 64.0;
 
 type Constructor = fn(&Object) -> Result<Filter, LoadError>;

@@ -58,7 +58,7 @@ pub struct Loaded {
 /// over the `<default>`s of the file.
 ///
 /// # Errors
-/// If a file is missing or invalid, or uses a feature that is not modelled.
+/// If a file is missing or invalid, or uses a feature that is not supported.
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Loaded, LoadError> {
     load_with(path, defines, Overrides::default())
 }

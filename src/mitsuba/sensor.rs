@@ -11,7 +11,7 @@ use crate::scene::{CameraDescription, FilmSettings, ThinLens};
 /// Diagonal of a frame of 35 mm film (36 mm x 24 mm), which `focal_length` refers to, in
 /// millimetres.
 const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
-/// Greatest deviation of the scalar products of the camera's axes from those of orthonormal axes.
+/// Maximum deviation of the scalar products of the camera's axes from those of orthonormal axes.
 const MAX_AXIS_ERROR: f64 = 1e-3;
 
 /// The sensors. True for those with a lens.
@@ -57,7 +57,9 @@ pub fn sensor(
         lens,
     };
     for name in ["principal_point_offset_x", "principal_point_offset_y"] {
-        object.float_in(name, 0.0, "0: a shifted film is not modelled", |x| x == 0.0)?;
+        object.float_in(name, 0.0, "0: a shifted film is not supported", |x| {
+            x == 0.0
+        })?;
     }
     object.ignore(&["shutter_open", "shutter_close", "focus_distance"]);
     // The sampler does not change what the image converges to.

@@ -3,9 +3,9 @@
 //! connection and merging", here without merging).
 //!
 //! Let technique s sample the path x_0 ... x_k with density p_s, and let h(p) = p^2 be the power of the
-//! power heuristic (Veach 1997, section 9.2, beta = 2). The weight of technique s is 1 / (1 + L + C), where
-//! L sums h(p_i / p_s) over the techniques with fewer light vertices, i < s, and C over those with fewer
-//! camera vertices, i > s.
+//! power heuristic (Veach 1997, section 9.2, beta = 2). The weight of technique s is 1 / (1 + S^L + S^E),
+//! where S^L sums h(p_i / p_s) over the techniques with fewer light vertices, i < s, and S^E over those with
+//! fewer camera vertices, i > s.
 //!
 //! Two neighbouring techniques differ in the subpath that samples one vertex. Along one subpath x_0, x_1,
 //! ... let f_i be the density with which this subpath samples x_i, and b_i the density with which the
@@ -35,7 +35,7 @@ pub fn h(p: f64) -> f64 {
     p * p
 }
 
-/// The weight of a technique, given L and C: the sums over the techniques with fewer light vertices and
+/// The weight of a technique, given S^L and S^E: the sums over the techniques with fewer light vertices and
 /// with fewer camera vertices.
 #[inline]
 pub fn weight(light: f64, camera: f64) -> f32 {

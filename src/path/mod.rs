@@ -32,4 +32,4 @@ pub mod vertex;
 pub use environment::EnvironmentVertex;
 pub use mis::PartialMis;
 pub use subpath::{Subpath, trace_camera_subpath, trace_light_subpath};
-pub use vertex::{Scatter, Vertex};
+pub use vertex::{DirectionSample, Scatter, Vertex};

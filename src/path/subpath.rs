@@ -6,7 +6,6 @@ use super::dimensions;
 use super::environment::EnvironmentVertex;
 use super::mis::PartialMis;
 use super::vertex::Vertex;
-use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
@@ -269,28 +268,13 @@ impl Walk<'_> {
             TransportMode::Importance => dimensions::light_vertex(i),
         };
         let [lobe, u, v, roulette] = sampler.get::<{ dimensions::PER_VERTEX }>(block);
-        let surface = &vertex.surface;
-        let from = surface.shading.to_local(vertex.to_previous);
-        let material = &self.scene.materials[vertex.material as usize];
         let uv = Vec2::new(u, v);
-        let sample =
-            material.sample(&self.scene.textures, surface.uv, from, self.mode, lobe, uv)?;
-        let direction = surface.shading.to_world(sample.direction);
-        let cos = vertex.abs_cos(direction);
+        let sample = vertex.sample(self.scene, self.mode, lobe, uv)?;
         let mut weight = sample.weight;
-        if self.mode == TransportMode::Importance && !planted(Fault::AdjointLeftOut) {
-            // Adjoint BSDF for shading normals (Veach 1997, eq. 5.19).
-            let cos_ratio = if sample.direction.z == 0.0 {
-                0.0
-            } else {
-                cos / sample.direction.z
-            };
-            weight *= vertex.shading_over_geometric_cos(from.z) * cos_ratio.abs();
-        }
         // The throughput of a camera subpath is scaled by 1/eta^2 where the path enters a denser medium,
         // and by eta^2 where it leaves it. Russian roulette must not treat this as absorption.
         *rr_throughput *= match self.mode {
-            TransportMode::Radiance => weight * (sample.eta * sample.eta),
+            TransportMode::Radiance => weight * (sample.bsdf.eta * sample.bsdf.eta),
             TransportMode::Importance => weight,
         };
         if i >= self.scene.depth.rr_depth as usize {
@@ -306,22 +290,20 @@ impl Walk<'_> {
             return None;
         }
         let kind = StepKind::Surface {
-            reverse: f64::from(sample.reverse_pdf),
-            delta: sample.delta,
-            cos: f64::from(cos),
+            reverse: f64::from(sample.bsdf.reverse_pdf),
+            delta: sample.bsdf.delta,
+            cos: f64::from(sample.cos),
         };
-        let origin = surface.ray_origin(direction);
         let ray = Ray {
-            origin,
-            direction,
+            origin: vertex.ray_origin(sample.direction),
+            direction: sample.direction,
             t_max: f32::INFINITY,
         };
-        let pdf = f64::from(sample.pdf);
         Some(Step {
             ray,
-            from: surface.position,
+            from: vertex.position(),
             throughput,
-            pdf,
+            pdf: f64::from(sample.bsdf.pdf),
             kind,
         })
     }

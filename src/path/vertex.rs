@@ -1,11 +1,13 @@
 //! Surface vertices of subpaths.
 
-use glam::Vec3A;
+use glam::{Vec2, Vec3A};
 
 use super::mis::PartialMis;
 use crate::fault::{Fault, planted};
 use crate::math::Rgb;
-use crate::scene::{BsdfEvaluation, Scene, SurfacePoint, TransportMode};
+use crate::scene::{
+    BsdfEvaluation, BsdfSample, LightEvaluation, Material, Scene, SurfacePoint, TransportMode,
+};
 
 /// A surface vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +44,28 @@ impl Scatter {
     /// [`Vertex::density`] of this vertex when the other end of the connection samples it with `pdf`.
     #[inline]
     pub fn density(&self, pdf: f32, distance_squared: f64) -> f64 {
-        f64::from(pdf) * f64::from(self.cos) / distance_squared
+        density_per_area(f64::from(pdf), self.cos, distance_squared)
     }
+}
+
+/// Density per unit area of a point that a direction of density `pdf` per steradian hits at the squared
+/// distance `distance_squared`, under the cosine `cos` (pbrt, 4th ed., section 13.2.2 "Integrals over area").
+#[inline]
+fn density_per_area(pdf: f64, cos: f32, distance_squared: f64) -> f64 {
+    pdf * f64::from(cos) / distance_squared
+}
+
+/// A direction sampled at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectionSample {
+    /// Unit, in world coordinates.
+    pub direction: Vec3A,
+    /// [`Vertex::abs_cos`] of the direction.
+    pub cos: f32,
+    /// The BSDF times the cosine over the density, with the adjoint's factor on light subpaths.
+    pub weight: Rgb,
+    /// Densities and the kind of the lobe; its direction is in the shading frame.
+    pub bsdf: BsdfSample,
 }
 
 impl Vertex {
@@ -61,17 +83,70 @@ impl Vertex {
     }
 
     /// Density of this vertex per unit area. `pdf` is the density per steradian of the direction toward
-    /// it, sampled at a point whose squared distance is `distance_squared` (pbrt, 4th ed., section 13.2.2
-    /// "Integrals over area").
+    /// it, sampled at a point whose squared distance is `distance_squared`.
     #[inline]
     pub fn density(&self, pdf: f64, direction: Vec3A, distance_squared: f64) -> f64 {
-        pdf * f64::from(self.abs_cos(direction)) / distance_squared
+        density_per_area(pdf, self.abs_cos(direction), distance_squared)
+    }
+
+    /// The point from which rays leave in `direction` (unit, world coordinates).
+    #[inline]
+    pub fn ray_origin(&self, direction: Vec3A) -> Vec3A {
+        self.surface.ray_origin(direction)
+    }
+
+    /// Light emitted toward the point `previous`; `None` if the vertex is on no emitter that emits there.
+    #[inline]
+    pub fn emission(&self, scene: &Scene, previous: Vec3A) -> Option<LightEvaluation> {
+        scene.emitters.evaluate_surface(&self.surface, previous)
+    }
+
+    /// The material.
+    #[inline]
+    pub fn material<'a>(&self, scene: &'a Scene) -> &'a Material {
+        &scene.materials[self.material as usize]
     }
 
     /// True if the material has a lobe that explicit connections can use.
     #[inline]
     pub fn is_connectible(&self, scene: &Scene) -> bool {
-        scene.materials[self.material as usize].is_connectible()
+        self.material(scene).is_connectible()
+    }
+
+    /// Samples the direction in which the subpath continues; `mode` is that of the subpath. `None` if it
+    /// is absorbed.
+    #[inline]
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        mode: TransportMode,
+        u_lobe: f32,
+        u_direction: Vec2,
+    ) -> Option<DirectionSample> {
+        let surface = &self.surface;
+        let previous = surface.shading.to_local(self.to_previous);
+        let (textures, uv) = (&scene.textures, surface.uv);
+        let bsdf =
+            self.material(scene)
+                .sample(textures, uv, previous, mode, u_lobe, u_direction)?;
+        let direction = surface.shading.to_world(bsdf.direction);
+        let cos = self.abs_cos(direction);
+        let mut weight = bsdf.weight;
+        if mode == TransportMode::Importance && !planted(Fault::AdjointLeftOut) {
+            // Adjoint BSDF for shading normals (Veach 1997, eq. 5.19).
+            let cos_ratio = if bsdf.direction.z == 0.0 {
+                0.0
+            } else {
+                cos / bsdf.direction.z
+            };
+            weight *= self.shading_over_geometric_cos(previous.z) * cos_ratio.abs();
+        }
+        Some(DirectionSample {
+            direction,
+            cos,
+            weight,
+            bsdf,
+        })
     }
 
     /// Evaluates the BSDF for the predecessor and `direction` (unit, world coordinates). `mode` is that
@@ -81,7 +156,7 @@ impl Vertex {
         let surface = &self.surface;
         let previous = surface.shading.to_local(self.to_previous);
         let next = surface.shading.to_local(direction);
-        let material = &scene.materials[self.material as usize];
+        let material = self.material(scene);
         let cos = self.abs_cos(direction);
         match mode {
             TransportMode::Radiance => {

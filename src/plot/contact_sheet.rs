@@ -21,7 +21,7 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
-/// Least and greatest width of a picture on the sheet, in pixels.
+/// Minimum and maximum width of a picture on the sheet, in pixels.
 const WIDTH_RANGE: [f64; 2] = [128.0, 256.0];
 
 /// Space around a picture, in pixels.
@@ -30,7 +30,7 @@ const GAP: f64 = 10.0;
 /// Height of a line of text, in pixels.
 const LINE: f64 = 18.0;
 
-/// Least width of a sheet, so that its title fits, in pixels.
+/// Minimum width of a sheet, so that its title fits, in pixels.
 const MIN_WIDTH: f64 = 620.0;
 
 /// Draws `rows` from top to bottom as an SVG document, below a title and a note. All pictures have

@@ -86,7 +86,7 @@ fn escaped(text: &str) -> String {
     text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Least width of a picture with a colour scale, so that its title and scale fit, in pixels.
+/// Minimum width of a picture with a colour scale, so that its title and scale fit, in pixels.
 const MIN_WIDTH: f64 = 480.0;
 
 /// Height of a line of text, in pixels.

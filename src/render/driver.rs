@@ -1,4 +1,4 @@
-//! The loop common to all drivers: blocks of samples until the budget is spent or the error is small
+//! The loop common to the drivers of one image: blocks of samples until the budget is spent or the error is small
 //! enough.
 
 use super::clock::Clock;
@@ -49,7 +49,7 @@ pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: Tar
         if driver.has_error() && target.is_due(samples) {
             let image = driver.image();
             let error = driver.error(&image);
-            clock.set_error_fraction(error.map_or(0.0, |error| target.check(samples, &error)));
+            clock.set_error_fraction(target.check(samples, error.as_ref()));
         }
 
         // Show the image so far.

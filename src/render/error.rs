@@ -23,7 +23,7 @@ pub struct ErrorEstimate {
     pub parts: u64,
     /// Share of pixels whose variance comes almost entirely from one part. The paths that this part found
     /// are so rare that similar paths are probably still missing, and the true errors are larger.
-    pub single: f64,
+    pub dominated_share: f64,
 }
 
 /// Variance of a pixel, per channel.
@@ -34,9 +34,9 @@ struct PixelVariance {
 }
 
 impl ErrorEstimate {
-    /// Maximum of [`Self::single`] without a warning. If it is exceeded, errors are probably larger than
+    /// Maximum of [`Self::dominated_share`] without a warning. If it is exceeded, errors are probably larger than
     /// estimated.
-    pub const MAX_SINGLE: f64 = 0.05;
+    pub const MAX_DOMINATED_SHARE: f64 = 0.05;
 
     /// A part with more than this share of the variance dominates it: of 16 normal deviates, the largest
     /// has a greater share with probability 10^-8.
@@ -45,14 +45,14 @@ impl ErrorEstimate {
     fn new(image: &Image, pixels: &[PixelVariance], parts: u64) -> Self {
         let error = |pixel: &PixelVariance| to_pixel(pixel.variance.map(f64::sqrt));
         let standard_errors: Vec<[f32; 3]> = pixels.iter().map(error).collect();
-        let single = pixels
+        let dominated = pixels
             .iter()
             .filter(|pixel| pixel.largest_share > Self::MAX_SHARE);
         Self {
             relative_mse: expected_relative_mse(&image.pixels, &standard_errors),
             standard_errors,
             parts,
-            single: single.count() as f64 / pixels.len() as f64,
+            dominated_share: dominated.count() as f64 / pixels.len() as f64,
         }
     }
 }
@@ -85,14 +85,17 @@ impl TargetError {
         self.error.is_some() && done >= self.next
     }
 
-    /// Checks the error after `done` samples. Returns the estimated fraction of the work that is done: 1 if
-    /// the target is reached, otherwise target over relMSE, because relMSE falls as one over the number of
-    /// samples.
-    pub fn check(&mut self, done: u64, estimate: &ErrorEstimate) -> f64 {
+    /// Checks the error after `done` samples; `None` if it could not be estimated. Returns the estimated
+    /// fraction of the work that is done: 1 if the target is reached, otherwise target over relMSE, because
+    /// relMSE falls as one over the number of samples.
+    pub fn check(&mut self, done: u64, estimate: Option<&ErrorEstimate>) -> f64 {
         self.next = (done + done / 10).max(done + self.pixels);
-        match self.error {
-            Some(error) if estimate.relative_mse > error => error / estimate.relative_mse,
-            _ => 1.0,
+        match (self.error, estimate) {
+            (Some(error), Some(estimate)) if estimate.relative_mse > error => {
+                error / estimate.relative_mse
+            }
+            (Some(_), Some(_)) => 1.0,
+            _ => 0.0,
         }
     }
 }

@@ -4,13 +4,16 @@
 //! technique t = 1 may land on any pixel, and are divided by the number of samples of the whole film (Veach
 //! 1997, section 10.3.4).
 
+use super::clock::Clock;
 use super::error::{ErrorEstimate, PassVariance};
 use super::passes::{Tile, TileBuffer};
-use super::{Method, NonFinite, SampleId, Settings, Warning, pixel_count, warnings};
+use super::{
+    Method, NonFinite, Rendering, SampleId, Settings, Statistics, Warning, pixel_count, warnings,
+};
 use crate::film::{Film, Image, SplatLog};
 use crate::integrators::SplatList;
 use crate::math::color::to_pixel;
-use crate::scene::Scene;
+use crate::scene::{RayCounts, Scene};
 
 /// The splats of a tile's samples.
 #[derive(Default)]
@@ -114,8 +117,32 @@ impl ImageEstimate {
         self.variance.as_ref()?.estimate(image)
     }
 
+    /// The result of a render: `image`, which `samples` samples and `rays` rays have made, with its error,
+    /// statistics and warnings.
+    pub fn rendering(
+        self,
+        scene: &Scene,
+        settings: &Settings,
+        clock: &Clock,
+        image: Image,
+        samples: u64,
+        rays: RayCounts,
+    ) -> Rendering {
+        let error = self.error(&image);
+        let warnings = self.warnings(settings, samples, error.as_ref());
+        let seconds = [clock.elapsed(); 2];
+        let found = self.non_finite;
+        Rendering {
+            image,
+            error,
+            statistics: Statistics::new(scene, settings, seconds, samples, rays, found),
+            interrupted: clock.was_cancelled(samples),
+            warnings,
+        }
+    }
+
     /// Warnings about an image of `samples` samples.
-    pub fn warnings(
+    fn warnings(
         &self,
         settings: &Settings,
         samples: u64,
@@ -131,7 +158,7 @@ impl ImageEstimate {
             .into_iter()
             .chain(unsampled)
             .chain(warnings::error(settings, error))
-            .chain(warnings::single(error))
+            .chain(warnings::rare_contributions(error))
             .collect()
     }
 }

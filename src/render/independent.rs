@@ -7,7 +7,7 @@ use super::driver::{Driver, drive};
 use super::error::{ErrorEstimate, TargetError};
 use super::estimate::{ImageEstimate, TileSplats};
 use super::passes::PassLoop;
-use super::{Observer, Rendering, Settings, Statistics, pixel_count};
+use super::{Observer, Rendering, Settings, pixel_count};
 use crate::film::Image;
 use crate::integrators::PathSampler;
 use crate::scene::{RayCounts, Scene};
@@ -34,7 +34,11 @@ pub(super) fn render<P: PathSampler>(
     );
     let target = TargetError::new(settings, pixel_count(scene));
     drive(&mut driver, &mut clock, target);
-    driver.finish(settings, &clock)
+    let image = driver.image();
+    let (samples, rays) = (driver.samples(), driver.rays());
+    driver
+        .estimate
+        .rendering(scene, settings, &clock, image, samples, rays)
 }
 
 /// The state of a render.
@@ -91,28 +95,5 @@ impl<P: PathSampler> Driver for Independent<'_, P> {
 
     fn error(&self, image: &Image) -> Option<ErrorEstimate> {
         self.estimate.error(image)
-    }
-}
-
-impl<P: PathSampler> Independent<'_, P> {
-    fn finish(mut self, settings: &Settings, clock: &Clock) -> Rendering {
-        let samples = self.passes.samples();
-        let image = self.image();
-        let error = self.error(&image);
-        let warnings = self.estimate.warnings(settings, samples, error.as_ref());
-        Rendering {
-            image,
-            error,
-            interrupted: clock.was_cancelled(samples),
-            statistics: Statistics::new(
-                self.scene,
-                settings,
-                [clock.elapsed(); 2],
-                samples,
-                self.passes.rays(),
-                self.estimate.non_finite,
-            ),
-            warnings,
-        }
     }
 }

@@ -37,7 +37,7 @@ pub mod target;
 mod warnings;
 
 use crate::film::Image;
-use crate::integrators::{BidirectionalPathTracer, LightTracer, PathTracer};
+use crate::integrators::{BidirectionalPathTracer, LightTracer, PathSampler, PathTracer};
 use crate::scene::Scene;
 
 pub use choice::{Choice, ChoiceReason, choose};
@@ -106,7 +106,8 @@ pub struct Rendering {
 }
 
 /// Renders `scene`. The same scene and settings give a bit-identical image, for any number of threads,
-/// unless the budget is a time or the observer cancels.
+/// unless the budget is a time or the observer cancels. Snapshots change an image of `pssmlt` by rounding:
+/// they add the weights that states have so far.
 ///
 /// # Errors
 /// If the threads cannot be started.
@@ -115,21 +116,84 @@ pub fn render(
     settings: &Settings,
     observer: &dyn Observer,
 ) -> Result<Rendering, rayon::ThreadPoolBuildError> {
-    let mut rendering = in_pool(settings.threads, || match &settings.integrator {
-        Integrator::Path => independent::render(scene, PathTracer, settings, observer),
-        Integrator::Light => independent::render(scene, LightTracer, settings, observer),
-        Integrator::Bdpt => independent::render(scene, BidirectionalPathTracer, settings, observer),
-        Integrator::Pssmlt(method_settings) => pssmlt::render(
-            scene,
-            BidirectionalPathTracer,
-            settings,
-            method_settings,
-            observer,
-        ),
-        Integrator::Mmlt(method_settings) => {
-            mmlt::render(scene, settings, method_settings, observer)
+    match &settings.integrator {
+        Integrator::Path => render_paths(scene, PathTracer, settings, observer),
+        Integrator::Light => render_paths(scene, LightTracer, settings, observer),
+        Integrator::Bdpt | Integrator::Pssmlt(_) => {
+            render_paths(scene, BidirectionalPathTracer, settings, observer)
         }
-    })?;
+        Integrator::Mmlt(method_settings) => run(settings, || {
+            mmlt::render(scene, settings, method_settings, observer)
+        }),
+    }
+}
+
+/// Renders the paths of `path_sampler`, for example one of the caller's: by Markov chains if
+/// `settings.integrator` is [`Integrator::Pssmlt`], otherwise by independent samples.
+///
+/// ```
+/// use metrolight::integrators::{PathSampler, Workspace};
+/// use metrolight::math::Rgb;
+/// use metrolight::path::dimensions;
+/// use metrolight::render::{Budget, Method, Settings, Unobserved, render_paths};
+/// use metrolight::sampling::Sampler;
+/// use metrolight::scene::Scene;
+/// use metrolight::technique::{Connection, PathContribution, Technique};
+///
+/// /// Radiance 1/2 at every point of the film.
+/// #[derive(Clone, Copy)]
+/// struct Constant;
+///
+/// impl PathSampler for Constant {
+///     fn sample_paths<S: Sampler>(
+///         &self,
+///         _: &Scene,
+///         sampler: &mut S,
+///         _: &mut Workspace,
+///         mut visit: impl FnMut(PathContribution),
+///     ) {
+///         let film = sampler.get::<2>(dimensions::FILM).into();
+///         let connection = Connection { value: Rgb::splat(0.5), weight: 1.0 };
+///         visit(PathContribution::new(Technique::Hit { t: 2 }, film, connection));
+///     }
+/// }
+///
+/// # let size = metrolight::mitsuba::Overrides { size: Some([16, 12]) };
+/// # let path = std::path::Path::new("scenes/cornell/scene.xml");
+/// # let scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
+/// let mean = |method| {
+///     let settings = Settings { budget: Budget::SamplesPerPixel(16), ..Settings::new(method) };
+///     let image = render_paths(&scene, Constant, &settings, &Unobserved)?.image;
+///     let values = image.pixels.iter().flatten();
+///     Ok::<f32, Box<dyn std::error::Error>>(values.sum::<f32>() / (3 * 16 * 12) as f32)
+/// };
+/// assert!((mean(Method::Bdpt)? - 0.5).abs() < 1e-4);
+/// assert!((mean(Method::Pssmlt)? - 0.5).abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// If the threads cannot be started.
+pub fn render_paths<P: PathSampler + Copy + Send>(
+    scene: &Scene,
+    path_sampler: P,
+    settings: &Settings,
+    observer: &dyn Observer,
+) -> Result<Rendering, rayon::ThreadPoolBuildError> {
+    run(settings, || match &settings.integrator {
+        Integrator::Pssmlt(method_settings) => {
+            pssmlt::render(scene, path_sampler, settings, method_settings, observer)
+        }
+        _ => independent::render(scene, path_sampler, settings, observer),
+    })
+}
+
+/// Runs a render on the threads of `settings`. Warns of a black image.
+fn run(
+    settings: &Settings,
+    work: impl FnOnce() -> Rendering + Send,
+) -> Result<Rendering, rayon::ThreadPoolBuildError> {
+    let mut rendering = in_pool(settings.threads, work)?;
     let black = rendering
         .image
         .pixels

@@ -233,7 +233,7 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
             let quota = total.map_or(batch, |total| quota(total, count as u64, i) - made);
             let steps = batch.min(quota);
             for _ in 0..steps {
-                let (_, sample) = chain.step(&mut worker.target);
+                let sample = chain.step(&mut worker.target).sample;
                 worker.log(weights, sample);
             }
             steps
@@ -382,7 +382,7 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
                 .chain(warnings::no_mutation(self.done, self.chains.len()))
                 .chain(warnings::stuck(chains.stuck_chains, chains.chains))
                 .chain(warnings::error(settings, error.as_ref()))
-                .chain(warnings::single(error.as_ref()))
+                .chain(warnings::rare_contributions(error.as_ref()))
                 .collect(),
         };
         let mut statistics = Statistics::new(

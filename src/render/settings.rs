@@ -143,7 +143,7 @@ pub enum Budget {
     Unlimited,
 }
 
-/// Everything besides the scene that determines the image.
+/// What determines the image besides the scene, and how it is computed.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The method and its own settings.

@@ -32,7 +32,7 @@ pub struct Statistics {
     pub rays_per_second: f64,
     /// Contributions (for chains: proposals) that were NaN, infinite or negative and left out.
     pub non_finite: u64,
-    /// The samples of the first of these, which can be replayed.
+    /// The first of these, for replay. Proposals of chains of `mmlt` have no [`SampleId`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub non_finite_samples: Vec<SampleId>,
     /// Of the chains of `pssmlt`.

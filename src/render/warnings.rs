@@ -29,7 +29,7 @@ pub enum Warning {
         target: f64,
     },
     /// In many pixels nearly all variance comes from one part of the samples
-    /// ([`ErrorEstimate::single`]): the error is probably larger than estimated.
+    /// ([`ErrorEstimate::dominated_share`]): the error is probably larger than estimated.
     RareContributions {
         /// Share of such pixels, in (0, 1].
         share: f64,
@@ -91,9 +91,9 @@ pub(super) fn error(settings: &Settings, estimate: Option<&ErrorEstimate>) -> Op
 }
 
 /// Warns of standard errors that are probably too small.
-pub(super) fn single(estimate: Option<&ErrorEstimate>) -> Option<Warning> {
-    let share = estimate.map_or(0.0, |estimate| estimate.single);
-    (share > ErrorEstimate::MAX_SINGLE).then_some(Warning::RareContributions { share })
+pub(super) fn rare_contributions(estimate: Option<&ErrorEstimate>) -> Option<Warning> {
+    let share = estimate.map_or(0.0, |estimate| estimate.dominated_share);
+    (share > ErrorEstimate::MAX_DOMINATED_SHARE).then_some(Warning::RareContributions { share })
 }
 
 /// Warns of a Metropolis image without mutations.

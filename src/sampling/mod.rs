@@ -4,7 +4,7 @@
 //! use metrolight::sampling::seeds::Purpose;
 //! use metrolight::sampling::{Dimension, IndependentSampler, Sampler, Stream};
 //!
-//! // A sample has a name, and a dimension has one value whenever it is asked for.
+//! // A sample is identified by seed, purpose and index. Each of its dimensions has one value.
 //! let mut sampler = IndependentSampler::new(7, Purpose::Pixels, 42);
 //! let film: [f32; 2] = sampler.get(Dimension::new(Stream::Camera, 0));
 //! let [y] = sampler.get(Dimension::new(Stream::Camera, 1));

@@ -47,11 +47,11 @@ pub const SCENE_RADIUS: f32 = crate::bvh::RADIUS;
 
 /// A scene ready to be rendered.
 pub struct Scene {
-    /// The source of importance.
+    /// The camera.
     pub camera: Camera,
     /// Surfaces, and the acceleration structure over them.
     pub geometry: Geometry,
-    /// The sources of light.
+    /// The emitters.
     pub emitters: Emitters,
     /// Indexed by [`Geometry::material`].
     pub materials: Vec<Material>,

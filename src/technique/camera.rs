@@ -31,7 +31,7 @@ pub fn connect_to_camera<S: Sampler>(
     if value == Rgb::ZERO {
         return None;
     }
-    let origin = vertex.surface.ray_origin(lens.direction);
+    let origin = vertex.ray_origin(lens.direction);
     let target = position + lens.direction * lens.visible_distance;
     if !scene.geometry.visible(origin, target, counts) {
         return None;
@@ -46,9 +46,35 @@ pub fn connect_to_camera<S: Sampler>(
     Some((lens.film, connection))
 }
 
+/// Technique (1, 1): a directly visible light, sampled for the lens. Point and directional lights have no
+/// extent on the film and are invisible. Only light tracing has this technique.
+pub fn visible_light<S: Sampler>(
+    scene: &Scene,
+    sampler: &mut S,
+    rays: &mut RayCounts,
+) -> Option<(Vec2, Connection)> {
+    let [u_light, u_primitive, x, y] = sampler.get::<4>(dimensions::next_event(0));
+    let lens = lens_point(scene, 0, sampler);
+    let from = scene.camera.lens_position(lens);
+    let direct = scene
+        .emitters
+        .sample_direct(from, u_light, u_primitive, Vec2::new(x, y))
+        .filter(|direct| !direct.delta)?;
+    let film = scene.camera.film_position(direct.direction, lens)?;
+    let emission = &direct.emission;
+    // The lens measures the integral of radiance times p_w, the density of its directions per steradian.
+    let importance = scene.camera.direction_pdf(direct.direction);
+    let value = emission.radiance * (importance * direct.jacobian_direction / emission.pdf_direct);
+    let (near, far) = scene
+        .camera
+        .visible_segment(from, direct.direction, direct.target)?;
+    let visible = value != Rgb::ZERO && scene.geometry.visible(near, far, rays);
+    visible.then_some((film, Connection { value, weight: 1.0 }))
+}
+
 /// Sample values of the lens point that is connected to y_i.
 #[inline]
-pub fn lens_point<S: Sampler>(scene: &Scene, i: usize, sampler: &mut S) -> Vec2 {
+fn lens_point<S: Sampler>(scene: &Scene, i: usize, sampler: &mut S) -> Vec2 {
     if scene.camera.is_pinhole() {
         Vec2::ZERO
     } else {

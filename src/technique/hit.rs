@@ -30,7 +30,7 @@ pub fn hit_light<'a>(
     previous: Vec3A,
 ) -> Option<Hit<'a>> {
     Some(Hit {
-        emission: scene.emitters.evaluate_surface(&vertex.surface, previous)?,
+        emission: vertex.emission(scene, previous)?,
         throughput: vertex.throughput,
         mis: &vertex.mis,
         edges,

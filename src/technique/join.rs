@@ -5,7 +5,7 @@ use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 use crate::path::Vertex;
 use crate::path::mis::weight;
-use crate::scene::{RayCounts, Scene, TransportMode, interaction};
+use crate::scene::{RayCounts, Scene, TransportMode};
 
 /// Connects light vertex `y` and camera vertex `z`, which must both be connectible. `None` if the path
 /// carries no light.
@@ -31,8 +31,8 @@ pub fn connect_vertices(
     if value == Rgb::ZERO {
         return None;
     }
-    let from = y.surface.ray_origin(direction);
-    let to = interaction::offset(z.position(), z.surface.geometric_normal, -direction);
+    let from = y.ray_origin(direction);
+    let to = z.ray_origin(-direction);
     if !scene.geometry.visible(from, to, counts) {
         return None;
     }

@@ -1,5 +1,5 @@
 //! Techniques, which form a path from a light subpath and a camera subpath (Veach 1997, chapter 10). Each
-//! returns the contribution of its path and the MIS weight. No shadow ray is traced if the unoccluded
+//! gives the contribution of its path and the MIS weight. No shadow ray is traced if the unoccluded
 //! contribution is zero.
 //!
 //! ```

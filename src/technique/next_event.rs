@@ -49,7 +49,7 @@ impl<'a> NextEvent<'a> {
         if value == Rgb::ZERO {
             return None;
         }
-        let origin = vertex.surface.ray_origin(light.direction);
+        let origin = vertex.ray_origin(light.direction);
         let visible = scene.geometry.visible(origin, light.target, counts);
         visible.then_some(Self {
             vertex,

@@ -168,7 +168,7 @@ fn values_of_the_wrong_type_are_rejected() {
                 r#"<spectrum name="reflectance" value="400:1, 700:0"/>"#,
             ),
             "2:58",
-            "not modelled: spectra",
+            "not supported: spectra",
         ),
         (
             bsdf("diffuse", r#"<boolean name="reflectance" value="true"/>"#),
@@ -179,7 +179,7 @@ fn values_of_the_wrong_type_are_rejected() {
             r#"<emitter type="point"><texture type="checkerboard" name="intensity"/></emitter>"#
                 .into(),
             "2:23",
-            "not modelled: light that varies",
+            "not supported: light that varies",
         ),
         (sphere(r#"<point name="center" x="1"/>"#), "2:22", "`y`"),
         (placed(r#"<matrix value="1 2 3"/>"#), "2:62", "16 or 9"),
@@ -283,14 +283,14 @@ fn values_out_of_range_are_rejected() {
         (
             film(r#"<boolean name="sample_border" value="true"/>"#),
             "2:49",
-            "not modelled",
+            "not supported",
         ),
         (path(integer("max_depth", "-2")), "2:25", "-1 (no limit)"),
         (path(integer("rr_depth", "0")), "2:25", "at least 1"),
         (
             path(r#"<boolean name="hide_emitters" value="true"/>"#.into()),
             "2:25",
-            "not modelled",
+            "not supported",
         ),
         (placed(r#"<scale z="0"/>"#), "2:20", "singular"),
         (

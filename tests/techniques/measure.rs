@@ -192,7 +192,10 @@ fn measure(scene: &Scene, batch: u64, samples: usize) -> (Batch, Behind<u32>) {
 
 /// x_1 ... x_{k-1} of the path that technique (s, t) has just made.
 fn surfaces(workspace: &Workspace, s: usize, t: usize) -> Vec<&Vertex> {
-    let (light, camera) = (workspace.light_vertices(), workspace.camera_vertices());
+    let (light, camera) = (
+        &workspace.light.vertices[..],
+        &workspace.camera.vertices[..],
+    );
     // For s = 0 the last camera vertex lies on the emitter.
     let camera = &camera[..if s == 0 { t - 2 } else { t - 1 }];
     let light = &light[..s.saturating_sub(1)];

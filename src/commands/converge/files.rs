@@ -151,7 +151,7 @@ const COLUMNS: [&str; 15] = [
     "integrator",
     "repeat",
     "seed",
-    "moment",
+    "checkpoint",
     "seconds",
     "samples_per_pixel",
     "rays",

@@ -24,7 +24,7 @@ pub enum Analytic {
     /// standard error.
     Sine,
     /// A coordinate chooses one of three techniques, whose densities over (x, y) differ; the number
-    /// of techniques is a factor of I (Hachisuka et al. 2014, section 4.1).
+    /// of techniques is a factor of I (Hachisuka et al. 2014, section 4).
     Multiplexed,
 }
 

@@ -2,13 +2,15 @@
 //!
 //! A kind proposes a value for each dimension and gives the log ratio of its proposal densities. A chain
 //! chooses among a weighted list of kinds and counts the proposals and acceptances of each. A new kind
-//! needs a file here and a variant of [`Mutation`].
+//! needs a file here and a variant of [`Mutation`], whose methods ask it.
 
 pub mod large_step;
 pub mod perturbation;
 pub mod small_step;
 
 use rand::Rng;
+#[cfg(test)]
+use rand::RngExt;
 
 pub use large_step::LargeStep;
 pub use perturbation::Perturbation;
@@ -23,6 +25,9 @@ pub enum Mutation {
     LargeStep(LargeStep),
     /// Perturbs every coordinate.
     SmallStep(SmallStep),
+    /// An asymmetric kind for tests: resamples all coordinates with density 2v.
+    #[cfg(test)]
+    Ramp,
 }
 
 impl Mutation {
@@ -31,6 +36,8 @@ impl Mutation {
         match self {
             Self::LargeStep(_) => LargeStep::NAME,
             Self::SmallStep(_) => SmallStep::NAME,
+            #[cfg(test)]
+            Self::Ramp => "ramp",
         }
     }
 
@@ -40,6 +47,8 @@ impl Mutation {
         match self {
             Self::LargeStep(kind) => kind.propose(rng),
             Self::SmallStep(kind) => kind.propose(value, dimension, rng),
+            #[cfg(test)]
+            Self::Ramp => rng.random::<f32>().sqrt(),
         }
     }
 
@@ -51,6 +60,8 @@ impl Mutation {
         match self {
             Self::LargeStep(kind) => kind.log_density_ratio(),
             Self::SmallStep(kind) => kind.log_density_ratio(u, v, dimension),
+            #[cfg(test)]
+            Self::Ramp => f64::from(u).ln() - f64::from(v).ln(),
         }
     }
 
@@ -66,6 +77,9 @@ impl Mutation {
         match self {
             Self::LargeStep(_) => 1,
             Self::SmallStep(kind) => kind.perturbation(dimension).steps_to_uniform(),
+            // The test reads its coordinate in every step.
+            #[cfg(test)]
+            Self::Ramp => u64::MAX,
         }
     }
 }

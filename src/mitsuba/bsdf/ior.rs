@@ -4,7 +4,7 @@ use crate::mitsuba::error::{LoadError, Located};
 use crate::mitsuba::xml::{Object, Property, Value};
 use crate::scene::bsdf::ior::{ior, ior_names};
 
-/// Greatest refractive index; the least is its inverse.
+/// Maximum refractive index; the minimum is its inverse.
 const MAX_IOR: f64 = 1000.0;
 
 /// `int_ior` over `ext_ior`. `inside` names the medium inside by default.

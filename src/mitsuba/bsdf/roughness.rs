@@ -4,9 +4,9 @@ use crate::mitsuba::error::{LoadError, Located};
 use crate::mitsuba::xml::Object;
 use crate::scene::bsdf::MicrofacetDistribution;
 
-/// Least roughness. Mitsuba replaces lower values by it.
+/// Minimum roughness. Mitsuba replaces lower values by it.
 const MIN_ALPHA: f64 = 1e-4;
-/// Greatest roughness, far above that of any real surface.
+/// Maximum roughness, far above that of any real surface.
 const MAX_ALPHA: f64 = 10.0;
 
 /// The type of the microfacet distribution.

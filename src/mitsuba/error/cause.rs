@@ -72,7 +72,7 @@ pub enum Cause {
         /// The attribute.
         attribute: String,
     },
-    /// A type of shape, BSDF, ... that is not modelled.
+    /// A type of shape, BSDF, ... that is not supported.
     #[error("unknown {kind} type `{found}`{}", suggestion(found, known))]
     UnknownPlugin {
         /// The name of its element.
@@ -82,7 +82,7 @@ pub enum Cause {
         /// The known types.
         known: Vec<String>,
     },
-    /// A parameter that is not modelled.
+    /// A parameter that is not supported.
     #[error("{owner} has no parameter `{found}`{}", suggestion(found, known))]
     UnknownParameter {
         /// The object.
@@ -156,15 +156,15 @@ pub enum Cause {
         /// The allowed range.
         range: String,
     },
-    /// A feature of Mitsuba that Metrolight does not model.
-    #[error("not modelled: {0}")]
-    NotModelled(String),
+    /// A feature of Mitsuba that is not supported.
+    #[error("not supported: {0}")]
+    NotSupported(String),
     /// Parameters or objects that contradict each other.
     #[error("{0}")]
     Conflict(String),
     /// A `$variable` without a value.
     #[error(
-        "`${found}` has no value: give one with <default> above this place or with \
+        "`${found}` has no value: give one with an earlier <default> or with \
          -D {found}=VALUE{}",
         suggestion(found, known)
     )]

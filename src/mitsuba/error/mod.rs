@@ -111,9 +111,9 @@ pub(super) trait Located {
         self.error(Cause::Conflict(problem.into()))
     }
 
-    /// A feature of Mitsuba that is not modelled.
+    /// A feature of Mitsuba that is not supported.
     fn not_modelled(&self, feature: impl Into<String>) -> LoadError {
-        self.error(Cause::NotModelled(feature.into()))
+        self.error(Cause::NotSupported(feature.into()))
     }
 
     /// A warning at the place.

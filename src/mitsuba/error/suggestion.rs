@@ -1,9 +1,9 @@
 //! Suggestions for a misspelled name.
 
-/// Least Jaro-Winkler similarity (1 for equal names) of a suggestion.
+/// Minimum Jaro-Winkler similarity (1 for equal names) of a suggestion.
 const MIN_SIMILARITY: f64 = 0.7;
 
-/// Greatest number of known names that a message lists.
+/// Maximum number of known names that a message lists.
 const MAX_LISTED: usize = 40;
 
 /// "; did you mean `x`? (known: ...)": the known name most similar to `found`, if any is similar

@@ -10,7 +10,7 @@ use std::path::Path;
 use super::file::regular_file_size;
 use crate::scene::TriangleMesh;
 
-/// Greatest number of vertices or triangles of a mesh: indices have 32 bits.
+/// Maximum number of vertices or triangles of a mesh: indices have 32 bits.
 const MAX_COUNT: u64 = u32::MAX as u64;
 
 /// Why a mesh file cannot be used.

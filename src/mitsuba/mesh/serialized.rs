@@ -16,7 +16,7 @@ const HAS_COLORS: u32 = 0x0008;
 // The flag 0x0010, face normals, is ignored as in Mitsuba 3.
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Greatest length of the name of a mesh in bytes.
+/// Maximum length of the name of a mesh in bytes.
 const MAX_NAME_LENGTH: usize = 1 << 16;
 
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use glam::{DMat3, DMat4, DVec4};
 use crate::mitsuba::error::{Cause, LoadError, Located};
 use crate::mitsuba::xml::Object;
 
-/// Least absolute determinant of an invertible transform, relative to the product of the lengths of
+/// Minimum absolute determinant of an invertible transform, relative to the product of the lengths of
 /// its columns.
 const MIN_DETERMINANT: f64 = 1e-12;
 

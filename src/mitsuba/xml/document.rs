@@ -10,7 +10,7 @@ use crate::mitsuba::error::{Cause, LoadError, Located};
 use crate::mitsuba::file::regular_file_size;
 use crate::mitsuba::source::{Place, SourceFile};
 
-/// Greatest size of a scene file in bytes. Meshes and images are in files of their own.
+/// Maximum size of a scene file in bytes. Meshes and images are in files of their own.
 const MAX_BYTES: u64 = 1 << 28;
 
 /// A scene file that is being read.

@@ -4,7 +4,7 @@ use super::object::Object;
 use super::property::Value;
 use crate::mitsuba::error::{Cause, LoadError, Located};
 
-/// Greatest depth of nested elements, of references and of includes.
+/// Maximum depth of nested elements, of references and of includes.
 pub const MAX_DEPTH: usize = 64;
 
 /// Checks that no object contains itself and that none is nested too deeply.

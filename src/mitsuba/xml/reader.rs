@@ -19,7 +19,7 @@ use super::{upgrade, value};
 use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
 use crate::mitsuba::source::Place;
 
-/// Greatest number of included files. Without a limit, files that each include the next one twice
+/// Maximum number of included files. Without a limit, files that each include the next one twice
 /// would take exponential time.
 const MAX_INCLUDES: usize = 4096;
 

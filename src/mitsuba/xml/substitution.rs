@@ -2,11 +2,11 @@
 
 use crate::mitsuba::error::Cause;
 
-/// Greatest length of an attribute after substitution, in bytes. Without a limit, defaults that
+/// Maximum length of an attribute after substitution, in bytes. Without a limit, defaults that
 /// each double the previous one would exhaust memory.
 const MAX_LENGTH: usize = 1 << 20;
 
-/// Greatest total length of all attributes with substituted variables, in bytes.
+/// Maximum total length of all attributes with substituted variables, in bytes.
 const MAX_TOTAL: usize = 1 << 26;
 
 struct Variable {

@@ -25,7 +25,7 @@ const STEPS: [(&str, Step); 5] = [
     }),
 ];
 
-/// Greatest deviation of an axis from unit length without a warning.
+/// Maximum deviation of an axis from unit length without a warning.
 const MAX_LENGTH_ERROR: f64 = 1e-3;
 
 /// The product of the steps in the `<transform>` element `node`.

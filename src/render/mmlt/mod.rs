@@ -21,9 +21,7 @@ use super::pixel_sampler::PixelSampler;
 use super::plan::clamp::Clamp;
 use super::plan::{MmltSettings, Plan};
 use super::statistics::{MmltStatistics, MutationStatistics};
-use super::{
-    Budget, Integrator, Observer, Rendering, Settings, Statistics, Unobserved, pixel_count,
-};
+use super::{Budget, Integrator, Observer, Rendering, Settings, Unobserved, pixel_count};
 use crate::film::{FilmSampler, Image};
 use crate::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
 use crate::math::color::is_light;
@@ -215,33 +213,18 @@ impl<'a> Mmlt<'a> {
     }
 
     fn finish(mut self, settings: &Settings, clock: &Clock) -> Rendering {
-        let samples = self.passes.samples();
         let image = self.image();
-        let error = self.error(&image);
-        let warnings = self.estimate.warnings(settings, samples, error.as_ref());
-        let rays = self.rays();
-        let mut statistics = Statistics::new(
-            self.scene,
-            settings,
-            [clock.elapsed(); 2],
-            samples,
-            rays,
-            self.estimate.non_finite,
-        );
+        let (scene, samples, rays) = (self.scene, self.samples(), self.rays());
+        let estimate = self.estimate;
+        let mut rendering = estimate.rendering(scene, settings, clock, image, samples, rays);
         let counters = &self.chains.counters;
-        statistics.mmlt = Some(MmltStatistics {
+        rendering.statistics.mmlt = Some(MmltStatistics {
             threshold: self.plan.clamp.threshold,
             energy_per_mutation: self.plan.clamp.energy,
             chains: self.chains.chains,
             mutations: MutationStatistics::all(counters),
             longest_rejection_run: counters.longest_rejection_run,
         });
-        Rendering {
-            image,
-            error,
-            statistics,
-            interrupted: clock.was_cancelled(samples),
-            warnings,
-        }
+        rendering
     }
 }

@@ -3,14 +3,14 @@
 //!
 //! N independent samples find residuals with densities T_1, T_2, ... of sum W, so that W/N is an unbiased
 //! estimate of b = sum b_k. The residuals are resampled in proportion to T: each of a number of chains with
-//! mean x starts at one of them and makes m mutations. On average over the independent samples, the chains
+//! mean K starts at one of them and makes n mutations. On average over the independent samples, the chains
 //! are in equilibrium from their first state on, so that
 //!
-//!   (W/N) (1/(x m)) sum over all visits of F/I
+//!   (W/N) (1/(K n)) sum over all visits of F/I
 //!
-//! estimates the integral of F without bias, for any x that depends on W and any m that does not, even if no
+//! estimates the integral of F without bias, for any K that depends on W and any n that does not, even if no
 //! chain leaves the neighbourhood of its start: there is no start-up bias, and no separate estimate of b
-//! (Veach and Guibas 1997, section 5.1, weight their chains in the same way). A length m that depended on W
+//! (Veach and Guibas 1997, section 5.1, weight their chains in the same way). A length n that depended on W
 //! would depend on the start, because W contains its T.
 //!
 //! This is repeated for every block of samples. Every sample of the render refines the estimates of b_k, as
@@ -72,13 +72,13 @@ pub fn mutations(small_step: impl Into<SmallStep>) -> Mutations {
     Mutations::new([(1.0, Mutation::SmallStep(small_step))])
 }
 
-/// m: mutations of each chain of a block of `samples` samples.
+/// n: mutations of each chain of a block of `samples` samples.
 fn mutations_per_chain(samples: u64) -> u64 {
     let [min, max] = MUTATIONS_PER_CHAIN;
     (samples / 2).clamp(min, max)
 }
 
-/// x: mean number of chains of a block whose residuals have the sum `total`, over `samples` samples.
+/// K: mean number of chains of a block whose residuals have the sum `total`, over `samples` samples.
 fn mean_chains(total: f64, samples: u64, energy: f64) -> f64 {
     let mutations = (total / energy).min(MAX_MUTATIONS_PER_SAMPLE * samples as f64);
     mutations / mutations_per_chain(samples) as f64
@@ -226,7 +226,7 @@ impl<'a> Redistribution<'a> {
         let start = WithTechnique::new(start.sample, technique, rng.random());
         let mut chain = Chain::start(&mut target, start, rng, self.mutations.clone());
         for _ in 0..mutations {
-            log_sample(log, chain.step(&mut target).1, weight);
+            log_sample(log, chain.step(&mut target).sample, weight);
         }
         log_sample(log, chain.current(), weight);
         (chain.counters, target.rays())

@@ -11,7 +11,7 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{RayCounts, Scene};
 use crate::technique::Technique;
 
-/// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section 4.2).
+/// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section 4).
 /// The density is the luminance of the residual, in units of the importance map, times the number of
 /// techniques of that length. So its mean b_k equals the mean of the sum over all techniques.
 pub struct MultiplexedTarget<'a> {
@@ -110,11 +110,13 @@ impl<S> WithTechnique<S> {
 impl<S: Sampler> Sampler for WithTechnique<S> {
     #[inline]
     fn get<const N: usize>(&mut self, first: Dimension) -> [f32; N] {
-        if first.stream == dimensions::TECHNIQUE.stream {
-            std::array::from_fn(|_| self.choice)
-        } else {
-            self.sample.get(first)
+        let mut values = self.sample.get(first);
+        let technique = dimensions::TECHNIQUE;
+        let dimensions = first.index..first.index + N;
+        if first.stream == technique.stream && dimensions.contains(&technique.index) {
+            values[technique.index - first.index] = self.choice;
         }
+        values
     }
 }
 

@@ -35,7 +35,7 @@ pub enum Material {
     },
     /// Rough metal.
     RoughConductor {
-        /// Normal distribution.
+        /// Microfacet distribution.
         distribution: MicrofacetDistribution,
         /// Roughness.
         alpha: f32,
@@ -57,7 +57,7 @@ pub enum Material {
     },
     /// Rough interface between two transparent media.
     RoughDielectric {
-        /// Normal distribution.
+        /// Microfacet distribution.
         distribution: MicrofacetDistribution,
         /// Roughness.
         alpha: f32,

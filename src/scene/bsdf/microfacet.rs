@@ -18,7 +18,7 @@ use libm::erff;
 
 use crate::sampling::warp::square_to_disk;
 
-/// The normal distribution of a rough surface.
+/// The distribution of microfacet normals of a rough surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MicrofacetDistribution {
     /// Beckmann and Spizzichino 1963.

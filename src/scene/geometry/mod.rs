@@ -19,7 +19,7 @@ use super::{SCENE_RADIUS, SurfacePoint};
 use crate::bvh::{Bvh, HitTarget, Primitive, Ray};
 use shape::Shape;
 
-/// By how much a shadow ray ends before its target, as a factor and in scene units. Its two ends are
+/// Shadow rays are shortened by this factor and by this length in scene units. Their two ends are
 /// offset from their surfaces by more than this; it covers the rounding error of the distance of a hit.
 const SHADOW_EPSILON: (f32, f32) = (1.0 - 1e-6, 1e-7 * SCENE_RADIUS);
 

@@ -6,10 +6,13 @@ use std::sync::LazyLock;
 
 use glam::Vec3A;
 use metrolight::film::{Decode, read_image};
-use metrolight::integrators::{Sampler, Splats, Workspace};
-use metrolight::sampling::FreshCoordinates;
-use metrolight::sampling::warp::square_to_sphere;
+use metrolight::integrators::{
+    BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
+};
 use metrolight::mitsuba::{LoadError, load};
+use metrolight::sampling::IndependentSampler;
+use metrolight::sampling::seeds::Purpose;
+use metrolight::sampling::warp::square_to_sphere;
 use metrolight::scene::{Ray, RayCounts, SCENE_RADIUS, Scene};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -19,7 +22,7 @@ use tempfile::TempDir;
 const MOST_EDGES: u32 = 12;
 /// Rays for each scene that loads, and samples of each path sampler.
 const RAYS: usize = 8;
-const SAMPLES: usize = 4;
+const SAMPLES: u64 = 4;
 
 /// Files that scenes may name, from the tests of the loader.
 const FIXTURES: [(&str, &[u8]); 9] = [
@@ -136,14 +139,14 @@ fn report(error: LoadError) {
     assert!(!error.to_string().is_empty());
 }
 
-/// Rays from everywhere, and paths by the sampler that uses everything.
+/// Random rays, and samples of every path sampler.
 fn render(scene: &Scene) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
     let mut rays = RayCounts::default();
     for _ in 0..RAYS {
         let mut sphere = || square_to_sphere(rng.random::<[f32; 2]>().into());
-        let (direction, place) = (sphere(), sphere());
-        let origin: Vec3A = place * SCENE_RADIUS * rng.random_range(0.0..1.5);
+        let (direction, position) = (sphere(), sphere());
+        let origin: Vec3A = position * SCENE_RADIUS * rng.random_range(0.0..1.5);
         let ray = Ray {
             origin,
             direction,
@@ -154,11 +157,15 @@ fn render(scene: &Scene) {
             scene.geometry.visible(origin, surface.position, &mut rays);
         }
     }
-    let mut point = FreshCoordinates::new(rng);
-    let (mut workspace, mut splats) = (Workspace::default(), Splats::default());
-    for sampler in [Sampler::Bidirectional, Sampler::Path, Sampler::Light] {
-        for _ in 0..SAMPLES {
-            sampler.sample(scene, &mut point, &mut workspace, &mut splats);
-        }
+    sample(scene, BidirectionalPathTracer);
+    sample(scene, PathTracer);
+    sample(scene, LightTracer);
+}
+
+fn sample(scene: &Scene, path_sampler: impl PathSampler) {
+    let (mut workspace, mut splats) = (Workspace::default(), SplatList::default());
+    for i in 0..SAMPLES {
+        let mut sampler = IndependentSampler::new(0, Purpose::Pixels, i);
+        path_sampler.sample_splats(scene, &mut sampler, &mut workspace, &mut splats);
     }
 }
