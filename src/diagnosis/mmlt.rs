@@ -301,6 +301,10 @@ impl ChainTarget for MmltChains<'_> {
         }
     }
 
+    fn starts_from_bootstrap(&self) -> bool {
+        false
+    }
+
     fn own_checks(&self, seed: u64) -> Vec<Check> {
         let sum = self.sum_of_parts(seed);
         std::iter::once(sum)

@@ -108,7 +108,7 @@ pub struct Diagnosis {
     pub samples: u64,
     /// Estimates of b.
     pub normalisation: Normalisation,
-    /// Bias of chains that start from small bootstraps.
+    /// Bias of chains that start from small bootstraps; empty if chains do not start from a bootstrap.
     pub start_up: Vec<StartUpBias>,
     /// How well long chains mix.
     pub quality: Quality,
@@ -161,7 +161,11 @@ pub fn diagnose<S: ChainTarget>(
     } = equilibrium(chain_target, budget, observer)?;
     begin(observer, "start-up bias")?;
     let seed = |part| seeds::part(budget.seed, part);
-    let start_up = start_up::start_up_bias(chain_target, &reference, seed(part::START_UP));
+    let start_up = if chain_target.starts_from_bootstrap() {
+        start_up::start_up_bias(chain_target, &reference, seed(part::START_UP))
+    } else {
+        Vec::new()
+    };
     begin(observer, "long chains")?;
     let long = (budget.steps, seed(part::QUALITY));
     let quality = quality::quality(chain_target, &bootstrap, &histories, long);

@@ -139,6 +139,11 @@ pub trait ChainTarget: Sync {
     /// Estimates the target from independent samples, as far as possible by code that chains do not use.
     fn independent(&self, seed: u64) -> IndependentEstimate;
 
+    /// True if the chains of a render start from a finite bootstrap, which biases their first states.
+    fn starts_from_bootstrap(&self) -> bool {
+        true
+    }
+
     /// Tests that are specific to this target.
     fn own_checks(&self, _seed: u64) -> Vec<Check> {
         Vec::new()

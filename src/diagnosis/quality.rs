@@ -52,8 +52,9 @@ pub struct Quality {
     /// Share of perturbations accepted, by the tile of the state before; NaN where none was proposed.
     #[serde(skip)]
     pub acceptance_of_tiles: Vec<f64>,
-    /// Number of different bootstrap samples among the starts of a render, and number of these starts.
-    pub distinct_starts: [usize; 2],
+    /// Number of different bootstrap samples among the starts of a render, and number of these starts; `None`
+    /// if chains do not start from a bootstrap.
+    pub distinct_starts: Option<[usize; 2]>,
     /// log I of some chains, step by step.
     #[serde(skip)]
     pub traces: Vec<Vec<f64>>,
@@ -148,7 +149,9 @@ pub fn quality<S: ChainTarget>(
         mutations: counters.mutations.iter().map(Into::into).collect(),
         longest_rejection_run: counters.longest_rejection_run,
         acceptance_of_tiles: acceptance_of_tiles(histories),
-        distinct_starts: distinct(bootstrap),
+        distinct_starts: chain_target
+            .starts_from_bootstrap()
+            .then(|| distinct(bootstrap)),
         autocorrelation: mean_autocorrelation(&log_densities, lag),
         traces: log_densities
             .into_iter()

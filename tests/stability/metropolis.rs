@@ -392,10 +392,10 @@ fn a_chain_that_never_accepts_is_reported() {
     );
 }
 
-/// The differences between images of 20 seeds match their estimated errors: over all pixels the variance
+/// The differences between images of 80 seeds match their estimated errors: over all pixels the variance
 /// between seeds equals the mean of the squared standard errors, within a quarter.
 #[test]
-fn twenty_seeds_differ_by_their_estimated_errors() {
+fn eighty_seeds_differ_by_their_estimated_errors() {
     let scene = room_with_ball();
     let mut pixels: Vec<Moments> = Vec::new();
     let mut expected = Moments::default();
@@ -417,7 +417,7 @@ fn twenty_seeds_differ_by_their_estimated_errors() {
     println!("variance between seeds over the estimated one: {ratio}");
     assert!((0.75..1.33).contains(&ratio), "{ratio}");
     stability(
-        "flicker over 20 seeds",
+        "flicker over 80 seeds",
         format!("the variance between images is {ratio:.2} of the one that they estimate"),
         &[],
     );

@@ -70,7 +70,7 @@ fn mixing(quality: &Quality) -> String {
             format!("chains mix slowly: R-hat {r_hat:.3} in {place}")
         }
         Some((r_hat, place)) => format!("chains mix well: R-hat at most {r_hat:.3}, in {place}"),
-        None => "how well chains mix is not known".into(),
+        None => "mixing is not known: too few different states".into(),
     }
 }
 
@@ -81,13 +81,15 @@ fn level(alpha: f64) -> String {
 
 /// Tables of all results.
 pub fn tables(diagnosis: &Diagnosis, alpha: f64) -> String {
-    [
+    let mut tables = vec![
         tests(diagnosis, alpha),
         normalisation(diagnosis),
         quality(&diagnosis.quality),
-        start_up(diagnosis),
-    ]
-    .join("\n\n")
+    ];
+    if !diagnosis.start_up.is_empty() {
+        tables.push(start_up(diagnosis));
+    }
+    tables.join("\n\n")
 }
 
 fn tests(diagnosis: &Diagnosis, alpha: f64) -> String {
@@ -136,7 +138,7 @@ fn normalisation(diagnosis: &Diagnosis) -> String {
     lines.extend(diagnosis.normalisation.estimates.iter().map(|estimate| {
         let percent = 100.0 * estimate.standard_error / estimate.value;
         format!(
-            "  {:14} {:.5e}  +- {percent:.2}%",
+            "  {:19} {:.5e}  +- {percent:.2}%",
             estimate.name, estimate.value
         )
     }));
@@ -155,6 +157,9 @@ fn quality(quality: &Quality) -> String {
         ),
     ];
     lines.extend(quality.quantities.iter().map(|q| {
+        if q.r_hat.is_nan() {
+            return format!("  {:14} not known: too few different values", q.name);
+        }
         format!(
             "  {:14} {:7.3} {:7.3}  {:>8} {:>8} {:>8}  {:>6}  {:6.0}% {:6.0}%",
             q.name,
@@ -182,10 +187,15 @@ fn quality(quality: &Quality) -> String {
             100.0 * kind.acceptance_rate
         ));
     }
-    let [distinct, starts] = quality.distinct_starts;
+    let starts = quality
+        .distinct_starts
+        .map_or(String::new(), |[distinct, starts]| {
+            format!(
+                "; the {starts} chains of a render start from {distinct} distinct bootstrap samples"
+            )
+        });
     lines.push(format!(
-        "  longest run of rejections {}; the {starts} chains of a render start from {distinct} distinct \
-         bootstrap samples",
+        "  longest run of rejections {}{starts}",
         quality.longest_rejection_run
     ));
     lines.join("\n")
