@@ -4,7 +4,7 @@ mod common;
 
 use common::renders::with_pssmlt;
 use metrolight::render::{
-    Budget, ChoiceReason, Method, MmltSettings, Settings, Unobserved, choose, render,
+    Budget, ChoiceReason, Integrator, Method, MmltSettings, Settings, Unobserved, choose, render,
 };
 use metrolight::scene::Scene;
 
@@ -46,19 +46,31 @@ fn images_do_not_depend_on_the_number_of_threads() {
     }
 }
 
-/// A render with the plan of the pilot that chose its integrator equals a render that makes its own plan.
+/// A render with the plan of the pilot that chose its integrator equals a render that makes its own plan. A
+/// plan with another threshold gives another image.
 #[test]
 fn a_plan_that_is_handed_on_gives_the_same_image() {
     let scene = common::load("scenes/pool/scene.xml", &[("resx", "40"), ("resy", "30")]);
-    let own = settings(Method::Mmlt, 2, 7);
+    let own = Settings {
+        budget: Budget::SamplesPerPixel(64),
+        ..settings(Method::Mmlt, 2, 7)
+    };
     let choice = choose(&scene, &own, &MmltSettings::default(), &[], &Unobserved).expect("threads");
     assert!(
         matches!(choice.reason(), ChoiceReason::Gain(_)),
         "{choice:?}"
     );
-    let handed_on = Settings {
+    let mut handed_on = Settings {
         integrator: choice.integrator,
         ..own.clone()
     };
     assert!(bits(&scene, &own) == bits(&scene, &handed_on));
+    let Integrator::Mmlt(MmltSettings {
+        plan: Some(plan), ..
+    }) = &mut handed_on.integrator
+    else {
+        panic!("{:?}", handed_on.integrator);
+    };
+    plan.clamp.threshold *= 1.01;
+    assert!(bits(&scene, &own) != bits(&scene, &handed_on));
 }
