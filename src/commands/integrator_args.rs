@@ -115,16 +115,25 @@ impl IntegratorArgs {
             ("--no-importance-map", self.no_importance_map, &[mmlt]),
             ("--threshold", self.threshold.is_some(), &[mmlt]),
         ];
-        for (option, given, of) in options {
-            let names: Vec<&str> = of.iter().map(|method| method.name()).collect();
-            match name {
-                Some(name) if given && !of.contains(&name.0) => {
-                    bail!("{option} applies to {}, not to {name}", names.join(" and "))
-                }
-                None if given => bail!("{option} needs --integrator {}", names.join(" or ")),
-                _ => {}
-            }
-        }
-        Ok(())
+        check_applies(name.map(|name| name.0), &options)
     }
+}
+
+/// Checks that given options apply to the integrator. Each has its name, whether it is given, and the
+/// integrators that it applies to.
+pub fn check_applies(
+    method: Option<Method>,
+    options: &[(&str, bool, &[Method])],
+) -> miette::Result<()> {
+    for &(option, given, of) in options {
+        let names: Vec<&str> = of.iter().map(|method| method.name()).collect();
+        match method.map(|method| (method.name(), of.contains(&method))) {
+            Some((name, false)) if given => {
+                bail!("{option} applies to {}, not to {name}", names.join(" and "))
+            }
+            None if given => bail!("{option} needs --integrator {}", names.join(" or ")),
+            _ => {}
+        }
+    }
+    Ok(())
 }

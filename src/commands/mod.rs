@@ -118,6 +118,13 @@ fn warn(warnings: impl IntoIterator<Item = impl Display>) {
     }
 }
 
+/// Prints more warnings, and appends them to those of a result.
+fn warn_more(warnings: &mut Vec<String>, more: impl IntoIterator<Item = String>) {
+    let known = warnings.len();
+    warnings.extend(more);
+    warn(&warnings[known..]);
+}
+
 /// Error reports keep paths and numbers in one piece: lines are never broken within a word, and not at
 /// all if stderr is no terminal.
 pub fn install_reports() {

@@ -11,7 +11,9 @@ use super::names::IntegratorName;
 use super::output::Outputs;
 use super::run_args::RunArgs;
 use super::source::SceneArgs;
-use super::{Outcome, eprint, interrupt, print, replay, statistics, values, warn, wording};
+use super::{
+    Outcome, eprint, interrupt, print, replay, statistics, values, warn, warn_more, wording,
+};
 
 /// Render a scene
 ///
@@ -120,9 +122,7 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         }
         settings.integrator = choice.integrator;
     }
-    let lost: Vec<String> = lost.iter().map(wording::lost_light).collect();
-    warn(&lost);
-    warnings.extend(lost);
+    warn_more(&mut warnings, lost.iter().map(wording::lost_light));
     if interrupt::requested() {
         eprint("interrupted before rendering began: nothing is written");
         return Ok(Outcome::Interrupted);
@@ -131,9 +131,10 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     // Render.
     let rendering = render(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
-    warn(&limits);
-    warnings.extend(limits);
+    warn_more(
+        &mut warnings,
+        rendering.warnings.iter().map(wording::warning),
+    );
     replay::print_commands(&args.scene, &settings, &rendering.statistics);
 
     // Write.

@@ -19,7 +19,6 @@ use super::paths::{Brightest, ObservedSampler, light_of_tiles, set_film, tile};
 use crate::film::Splat;
 use crate::integrators::{BidirectionalPathTracer, PathSampler, SplatList, Workspace};
 use crate::markov::{Mutations, Perturbation, SmallStep, Target, bootstrap};
-use crate::math::color::is_light;
 use crate::math::luminance;
 use crate::render::MmltSettings;
 use crate::render::Plan;
@@ -166,11 +165,11 @@ impl<'a> MmltChains<'a> {
                 BidirectionalPathTracer.sample_paths(self.scene, &mut sampler, workspace, |path| {
                     let edges = path.technique.edges();
                     let [_, residual] = clamp.split(edges, path.splat());
-                    let density = f64::from(clamp.luminance(residual));
                     let has_chains =
                         self.lengths.is_empty() || self.lengths.iter().any(|l| l.edges == edges);
-                    let is_finite = density.is_finite() && is_light(residual.value);
-                    if density > 0.0 && is_finite && has_chains {
+                    if let Some(density) = clamp.residual_density(residual)
+                        && has_chains
+                    {
                         add(&mut sum, edges, residual, density);
                     }
                 });
@@ -214,13 +213,10 @@ impl<'a> MmltChains<'a> {
     /// distributed. The p-value is the smallest of the quadrants, corrected by Holm's method.
     fn redistribution(&self, seed: u64) -> Option<Check> {
         let passes = self.samples.passes;
-        let settings = MmltSettings {
-            plan: Some(self.plan.clone()),
-            ..self.settings.clone()
-        };
         let render = |i: u64| {
             let seed = crate::sampling::seeds::part(seed, i);
-            let image = mmlt::residual_image(self.scene, &settings, seed, passes);
+            let plan = self.plan.clone();
+            let image = mmlt::residual_image(self.scene, &self.settings, plan, seed, passes);
             let mut quadrants = [0.0; QUADRANTS];
             for (tile, light) in light_of_tiles(&image.pixels).into_iter().enumerate() {
                 quadrants[quadrant(tile)] += light;

@@ -13,9 +13,10 @@ use metrolight::diagnosis::{
 use metrolight::film::check_writable;
 use metrolight::render::{Method, MmltSettings, PssmltSettings};
 use metrolight::scene::Scene;
-use miette::{IntoDiagnostic, bail};
+use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
+use super::integrator_args::check_applies;
 use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
 use super::source::SceneArgs;
@@ -55,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "P", value_parser = values::probability)]
     large_step_probability: Option<f32>,
 
-    /// mmlt: threshold above which chains render the rest of a path's contribution
+    /// mmlt: threshold above which the residual of a path's contribution is sampled by chains
     /// [default: the pilot decides]
     #[arg(long, value_name = "T", value_parser = values::threshold)]
     threshold: Option<f32>,
@@ -178,25 +179,12 @@ fn write_all(
 impl Args {
     /// Checks that options are given with the integrator that has them.
     fn check(&self) -> miette::Result<()> {
-        let options = [
-            (
-                "--large-step-probability",
-                self.large_step_probability.is_some(),
-                ChainIntegrator::Pssmlt,
-            ),
-            (
-                "--threshold",
-                self.threshold.is_some(),
-                ChainIntegrator::Mmlt,
-            ),
+        let large_step = self.large_step_probability.is_some();
+        let options: [(&str, bool, &[Method]); 2] = [
+            ("--large-step-probability", large_step, &[Method::Pssmlt]),
+            ("--threshold", self.threshold.is_some(), &[Method::Mmlt]),
         ];
-        for (option, given, of) in options {
-            if given && self.integrator != of {
-                let [of, name] = [of, self.integrator].map(|i| Method::from(i).name());
-                bail!("{option} applies to {of}, not to {name}");
-            }
-        }
-        Ok(())
+        check_applies(Some(self.integrator.into()), &options)
     }
 
     fn budget(&self) -> DiagnosisBudget {

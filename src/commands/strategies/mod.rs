@@ -18,7 +18,7 @@ use super::numbers::{duration, quantity};
 use super::run_args::RunArgs;
 use super::source::SceneArgs;
 use super::values::MaxDepth;
-use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, wording};
+use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, warn_more, wording};
 
 /// Render each technique (s, t) of bidirectional path tracing separately
 ///
@@ -108,9 +108,10 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
     let progress = args.run.progress();
     let rendering = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
-    let limits: Vec<String> = rendering.warnings.iter().map(wording::warning).collect();
-    warn(&limits);
-    warnings.extend(limits);
+    warn_more(
+        &mut warnings,
+        rendering.warnings.iter().map(wording::warning),
+    );
     replay::print_commands(&args.scene, &settings, &rendering.statistics);
     if rendering.interrupted && rendering.statistics.samples == 0 {
         eprint("interrupted before the first sample: nothing is written");

@@ -24,7 +24,6 @@ use super::statistics::{MmltStatistics, MutationStatistics};
 use super::{Budget, Integrator, Observer, Rendering, Settings, Unobserved, pixel_count};
 use crate::film::{FilmSampler, Image};
 use crate::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
-use crate::math::color::is_light;
 use crate::scene::{RayCounts, Scene};
 
 /// Renders `scene`.
@@ -52,10 +51,11 @@ pub(super) fn render(
     driver.finish(settings, &clock)
 }
 
-/// The image of the chains alone, after `passes` passes of a render of `scene`.
+/// The image of the chains alone, after `passes` passes of a render of `scene` with `plan`.
 pub fn residual_image(
     scene: &Scene,
     method_settings: &MmltSettings,
+    plan: Plan,
     seed: u64,
     passes: u64,
 ) -> Image {
@@ -64,8 +64,6 @@ pub fn residual_image(
         seed,
         ..Settings::of(Integrator::Mmlt(method_settings.clone()))
     };
-    let plan = method_settings.plan.clone();
-    let plan = plan.unwrap_or_else(|| Plan::new(scene, seed, method_settings, || false));
     let mut driver = Mmlt::new(scene, &settings, method_settings, plan);
     let pixels = pixel_count(scene);
     let mut clock = Clock::new(Instant::now(), settings.budget, pixels, &Unobserved);
@@ -171,8 +169,7 @@ fn sample(
     BidirectionalPathTracer.sample_paths(scene, sampler, workspace, |path| {
         let [splat, residual] = clamp.split(path.technique.edges(), path.splat());
         clamped.last.add(path.technique, splat);
-        let density = f64::from(clamp.luminance(residual));
-        if density > 0.0 && density.is_finite() && is_light(residual.value) {
+        if let Some(density) = clamp.residual_density(residual) {
             residuals.push(Residual {
                 sample: start,
                 technique: path.technique,

@@ -30,6 +30,7 @@ use super::importance::ImportanceMap;
 use super::pilot::Pilot;
 use crate::fault::{Fault, planted};
 use crate::film::Splat;
+use crate::math::color::is_light;
 use crate::math::luminance;
 
 /// eta of (2): number of mutations that are equivalent to one independent path. On the scenes of the
@@ -124,6 +125,13 @@ impl Clamp {
         } else {
             1.0
         }
+    }
+
+    /// The density of chains at a residual: its [`Self::luminance`]; `None` if chains have nothing to sample.
+    #[inline]
+    pub fn residual_density(&self, residual: Splat) -> Option<f64> {
+        let density = f64::from(self.luminance(residual));
+        (density > 0.0 && density.is_finite() && is_light(residual.value)).then_some(density)
     }
 
     /// l: the luminance of a splat in units of the map.
