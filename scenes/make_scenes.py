@@ -8,6 +8,7 @@ needs nothing but Python 3, and writes the same bytes each time. Lengths are met
 import math
 from pathlib import Path
 
+from bitmap import printed, write_png
 from meshes import heightfield, polyline, revolution, torus, write_ply
 from xml_writer import *
 
@@ -16,11 +17,11 @@ HERE = Path(__file__).resolve().parent
 WHITE, RED, GREEN = (0.73, 0.73, 0.72), (0.60, 0.06, 0.05), (0.14, 0.42, 0.10)
 
 
-def write(name, text, **meshes):
+def write(name, text, file="scene.xml", **meshes):
     """Writes one scene and its meshes into its folder."""
     folder = HERE / name
     folder.mkdir(exist_ok=True)
-    (folder / "scene.xml").write_text(text, encoding="utf-8", newline="\n")
+    (folder / file).write_text(text, encoding="utf-8", newline="\n")
     for mesh_name, mesh in meshes.items():
         write_ply(folder / f"{mesh_name}.ply", mesh)
 
@@ -130,6 +131,8 @@ def wave_slope(x, z):
     return sum(c * kx for c, kx, _ in terms), sum(c * kz for c, _, kz in terms)
 
 
+WATER = heightfield(wave_height, wave_slope, (-1.53, 1.53), (-1.02, 1.02), 131, 88)
+
 POOL_X, POOL_Z, POOL_DEPTH = 1.5, 1.0, 1.1
 POOL_CAMERA, POOL_FOV = ((0.3, 2.3, 2.3), (0.02, -0.46, 0)), 45
 LAMP, LAMP_RADIUS, LAMP_RADIANCE = (-0.35, 2.6, 1.15), 0.08, (1150, 1075, 925)
@@ -137,12 +140,28 @@ TILE = ((0.30, 0.60, 0.66), (0.44, 0.74, 0.78))
 
 
 def pool():
+    lamp = section(
+        "The lamp: its power goes with the radiance and the square of the radius",
+        sphere(LAMP, "$light_radius", area("$light_radiance"), material="Stone", name="Lamp"),
+    )
+    lamp_parameters = {"light_radius": LAMP_RADIUS, "light_radiance": triple(LAMP_RADIANCE)}
+    write("pool", pool_under("A small lamp", lamp, **lamp_parameters), water=WATER)
+    # Of the same power: I = L pi r^2.
+    intensity = tuple(math.pi * LAMP_RADIUS**2 * radiance for radiance in LAMP_RADIANCE)
+    point_light = section(
+        "A point light of the power of the lamp in scene.xml",
+        element("emitter", point("position", LAMP), rgb("intensity", "$intensity"), type="point"),
+    )
+    text = pool_under("A point light", point_light, intensity=triple(intensity))
+    write("pool", text, file="point.xml")
+
+
+def pool_under(lamp_name, lamp, **lamp_parameters):
     middle, deck = -POOL_DEPTH / 2, 0.8
-    write(
-        "pool",
+    return (
         scene(
-            "A small lamp over a pool: the caustics on its floor, seen through the waves that made them.",
-            parameters(400, 300, 8, light_radius=LAMP_RADIUS, light_radiance=triple(LAMP_RADIANCE)),
+            f"{lamp_name} over a pool: the caustics on its floor, seen through the waves that made them.",
+            parameters(400, 300, 8, **lamp_parameters),
             camera(*POOL_CAMERA, POOL_FOV),
             section(
                 "The basin and its edge",
@@ -165,12 +184,8 @@ def pool():
                 bsdf("dielectric", string("int_ior", "water"), string("ext_ior", "air"), id="Water"),
                 ply("water.ply", material="Water", name="Surface"),
             ),
-            section(
-                "The lamp: its power goes with the radiance and the square of the radius",
-                sphere(LAMP, "$light_radius", area("$light_radiance"), material="Stone", name="Lamp"),
-            ),
-        ),
-        water=heightfield(wave_height, wave_slope, (-1.53, 1.53), (-1.02, 1.02), 131, 88),
+            lamp,
+        )
     )
 
 
@@ -494,6 +509,68 @@ def lost_caustic():
     ))
 
 
+# ------------------------------------------------------------------------------------------------
+
+TEXT = """A LENS BENDS EVERY RAY
+THAT PASSES THROUGH IT.
+THE SUN GATHERS BENEATH
+THE GLASS AND DRAWS ON
+THE PAGE A CURVE OF FIRE
+THAT WE CAN ONLY SEE
+THROUGH THE SAME GLASS:
+SPECULAR, DIFFUSE AND
+SPECULAR AGAIN."""
+
+
+def lens():
+    base, height = 0.6, 0.52
+    radius = (base**2 + height**2) / (2 * height)
+    write_png(HERE / "lens" / "page.png", printed(TEXT.split("\n"), 4))
+    write(
+        "lens",
+        scene(
+            "A plano-convex lens on a page in the sun: all sunlight beneath the lens came through it,"
+            " and is seen through it.",
+            parameters(400, 300, 8, sun="4.2, 3.8, 3.2"),
+            camera((0.25, 2.0, 1.75), (0.0, 0.0, 0.02), 42),
+            section(
+                "The page",
+                matte("Page", element(
+                    "texture", string("filename", "page.png"), type="bitmap", name="reflectance",
+                )),
+                wall("up", (0, 0, 0), 1.5, 1.125, material="Page", name="Sheet"),
+            ),
+            section(
+                "The lens: its flat side lies on the page, so that the page is in the glass",
+                glass(),
+                ply("dome.ply", material="Glass", name="Lens"),
+            ),
+            section(
+                "The sun, and a dim sky",
+                element(
+                    "emitter",
+                    vector("direction", (-0.62, -0.62, -0.35)),
+                    rgb("irradiance", "$sun"),
+                    type="directional",
+                ),
+                element("emitter", rgb("radiance", (0.10, 0.13, 0.18)), type="constant"),
+            ),
+        ),
+        dome=dome(base, height, radius),
+    )
+
+
+def dome(base, height, radius):
+    """A spherical cap over y = 0 that goes on a little below, so that no ray passes between it and the page."""
+    centre = height - radius
+    low = math.acos(-(centre + 0.004) / radius)
+    angles = [low * (1 - i / 48) for i in range(49)]
+    profile = [
+        (radius * math.sin(a), centre + radius * math.cos(a), math.sin(a), math.cos(a)) for a in angles
+    ]
+    return revolution(profile, 128)
+
+
 if __name__ == "__main__":
-    for make in (cornell, spheres, pool, torus_in_glass, door, bidir, rough_glass, lost_caustic):
+    for make in (lens, cornell, spheres, pool, torus_in_glass, door, bidir, rough_glass, lost_caustic):
         make()

@@ -48,6 +48,11 @@ def rgb(name, value):
     return element("rgb", name=name, value=triple(value) if isinstance(value, tuple) else fmt(value))
 
 
+def vector(name, values):
+    x, y, z = values
+    return element("vector", name=name, x=fmt(x), y=fmt(y), z=fmt(z))
+
+
 def point(name, values):
     x, y, z = values
     return element("point", name=name, x=fmt(x), y=fmt(y), z=fmt(z))

@@ -64,7 +64,7 @@ fn mutations_and_samples_allocate_nothing() {
         let mutations = Mutations::kelemen(0.3, Perturbation::default());
         let mut chain = Chain::start(&mut target, start, rng, mutations);
         // Let the buffers grow to the length of the longest path.
-        (0..10_000).for_each(|_| _ = chain.step(&mut target).kind);
+        (0..50_000).for_each(|_| _ = chain.step(&mut target).kind);
         let during = allocations(|| {
             (0..10_000).for_each(|_| _ = chain.step(&mut target).kind);
         });

@@ -180,7 +180,7 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "strategies room.xml -o out --size 20000x10000",
-            "19 techniques at 200000000 pixels would take",
+            "22 techniques at 200000000 pixels would take",
         ),
         ("strategies none.xml -o out", "none.xml"),
         ("strategies room.xml -o sky.xml", "it is a file"),

@@ -12,6 +12,10 @@
 //!
 //! An emitter with an extent can be hit by a camera subpath. Such light is found, but rarely if the
 //! emitter is small.
+//!
+//! Specular next event estimation (technique 1*) finds light of both kinds if the specular vertices before
+//! the emitter form a chain that its finder seeks: on one shape, and not too long
+//! ([`Casters::max_length_on`](crate::scene::Casters::max_length_on)).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,6 +29,10 @@ use crate::technique::TechniqueSet;
 
 /// Number of rays that are traced from the camera, and from the emitters.
 pub const PROBES: u64 = 1 << 15;
+
+/// Smallest share that is reported of the light that reaches a surface through specular ones. A sphere reflects
+/// some light inside more often than technique 1* follows.
+const MIN_SHARE: f64 = 0.01;
 
 /// Maximum number of consecutive specular surfaces that a ray is followed through.
 const MAX_SPECULAR_BOUNCES: usize = 16;
@@ -70,20 +78,34 @@ pub fn lost_light(scene: &Scene, techniques: TechniqueSet) -> Vec<LostLight> {
             vec![lost]
         };
     }
-    let mut lost: BTreeMap<(u32, Loss), BTreeSet<u32>> = BTreeMap::new();
+    // For each emitter and surface: rays that specular chains carry in all, and those that are lost.
+    let mut rays: BTreeMap<(u32, u32), [u32; 2]> = BTreeMap::new();
+    let mut deltas = BTreeSet::new();
     for _ in 0..PROBES {
-        let Some((emitter, shape, delta)) = lit_through_specular(scene, &mut rng) else {
+        let Some(lit) = lit_through_specular(scene, &mut rng) else {
             continue;
         };
+        let (emitter, shape) = (lit.emitter, lit.shape);
         // Only a subpath that hits the emitter can find this light.
         let needs_hit = techniques == TechniqueSet::Path || seen.through_specular.contains(&shape);
         // Rays that leave the scene always hit infinite emitters.
-        let is_finite = delta || scene.emitters.shape(emitter).is_some();
+        let is_finite = lit.delta || scene.emitters.shape(emitter).is_some();
         let was_hit = seen.emitter_hits.contains(&(emitter, shape));
         // Hits were counted only for shapes that the camera sees.
-        let is_known = delta || seen.shapes.contains(&shape);
-        if needs_hit && is_finite && is_known && !was_hit {
-            let loss = if delta { Loss::Always } else { Loss::Nearly };
+        let is_known = lit.delta || seen.shapes.contains(&shape);
+        let is_lost = needs_hit && is_finite && is_known && !was_hit && !lit.by_chain;
+        let [all, lost] = rays.entry((emitter, shape)).or_default();
+        *all += 1;
+        *lost += u32::from(is_lost);
+        if lit.delta {
+            deltas.insert(emitter);
+        }
+    }
+    let mut lost: BTreeMap<(u32, Loss), BTreeSet<u32>> = BTreeMap::new();
+    for ((emitter, shape), [all, lost_rays]) in rays {
+        if f64::from(lost_rays) > MIN_SHARE * f64::from(all) {
+            let is_delta = deltas.contains(&emitter);
+            let loss = if is_delta { Loss::Always } else { Loss::Nearly };
             lost.entry((emitter, loss)).or_default().insert(shape);
         }
     }
@@ -126,13 +148,13 @@ impl Seen {
             };
             let shape = hit.surface.shape;
             seen.shapes.insert(shape);
-            if hit.through_specular {
+            if !hit.specular.is_empty() {
                 seen.through_specular.insert(shape);
             }
             if let Some((_, ray)) = scattered(scene, &hit.surface, -hit.direction, mode, rng)
                 && let Some(next) = first_non_specular(scene, ray, mode, rng)
                 && let Some(emitter) = scene.emitters.of_shape(next.surface.shape)
-                && next.through_specular
+                && !next.specular.is_empty()
             {
                 seen.emitter_hits.insert((emitter, shape));
             }
@@ -141,13 +163,29 @@ impl Seen {
     }
 }
 
-/// Follows a random ray from an emitter. If it passes specular surfaces and then hits a non-specular
-/// one, returns the emitter, the shape hit, and whether the emitter has no extent.
-fn lit_through_specular(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Option<(u32, u32, bool)> {
+/// A non-specular surface that an emitter lights through specular ones.
+struct Lit {
+    emitter: u32,
+    shape: u32,
+    /// The emitter has no extent.
+    delta: bool,
+    /// The specular vertices between them form a chain that technique 1* seeks.
+    by_chain: bool,
+}
+
+/// Follows a random ray from an emitter, if it passes specular surfaces and then hits a non-specular one.
+fn lit_through_specular(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Option<Lit> {
     let (sample, ray) = emitted(scene, rng)?;
     let hit = first_non_specular(scene, ray, TransportMode::Importance, rng)?;
-    hit.through_specular
-        .then_some((sample.emitter, hit.surface.shape, sample.delta))
+    let (first, rest) = hit.specular.split_first()?;
+    let is_chain = rest.iter().all(|shape| shape == first)
+        && hit.specular.len() <= scene.casters.max_length_on(*first);
+    Some(Lit {
+        emitter: sample.emitter,
+        shape: hit.surface.shape,
+        delta: sample.delta,
+        by_chain: is_chain && scene.emitters.ends_chains(sample.emitter),
+    })
 }
 
 /// The name of an emitter in messages: its kind and, if there are several, its index in the scene.
@@ -164,8 +202,8 @@ struct Hit {
     surface: SurfacePoint,
     /// Unit direction of the arriving ray.
     direction: Vec3A,
-    /// The ray was reflected or refracted by at least one specular surface before.
-    through_specular: bool,
+    /// The specular shapes that reflected or refracted the ray before.
+    specular: Vec<u32>,
 }
 
 /// The first non-specular surface that `ray` hits, directly or through specular ones.
@@ -176,16 +214,18 @@ fn first_non_specular(
     rng: &mut Xoshiro256PlusPlus,
 ) -> Option<Hit> {
     let mut counts = RayCounts::default();
-    for bounce in 0..MAX_SPECULAR_BOUNCES {
+    let mut specular = Vec::new();
+    for _ in 0..MAX_SPECULAR_BOUNCES {
         let surface = scene.geometry.intersect(&ray, &mut counts)?;
         let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
         if material.is_connectible() {
             return Some(Hit {
                 surface,
                 direction: ray.direction,
-                through_specular: bounce > 0,
+                specular,
             });
         }
+        specular.push(surface.shape);
         (_, ray) = scattered(scene, &surface, -ray.direction, mode, rng)?;
     }
     None

@@ -186,6 +186,11 @@ impl Bvh {
         self.primitives.iter()
     }
 
+    /// The primitive with this index; `None` if there is none.
+    pub fn primitive(&self, index: u32) -> Option<Primitive> {
+        self.primitives.get(index)
+    }
+
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangle_count

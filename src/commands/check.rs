@@ -58,7 +58,34 @@ fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
             "emitters",
             by_kind(emitters.map(|i| scene.emitters.kind(i).name())),
         ),
+        ("chains", chains(scene)),
     ]
+}
+
+/// Which chains of specular vertices next event estimation seeks.
+fn chains(scene: &Scene) -> String {
+    if !scene.has_chains() {
+        return "none are sought through smooth glass or mirrors".into();
+    }
+    let shapes = 0..scene.geometry.shape_count() as u32;
+    let lengths = shapes.filter_map(|shape| {
+        let length = scene.casters.max_length_on(shape);
+        (length > 0).then(|| format!("{} ({length})", scene.geometry.shape_name(shape)))
+    });
+    let lengths: Vec<String> = lengths.collect();
+    let some = match &lengths[..] {
+        [first, second, rest @ ..] if rest.len() > 2 => {
+            format!("{first}, {second} and {} more", rest.len())
+        }
+        few => few.join(", "),
+    };
+    let emitters = 0..scene.emitters.len() as u32;
+    let ends = emitters.filter(|&emitter| scene.emitters.ends_chains(emitter));
+    format!(
+        "sought to {} of {} emitters through (vertices) {some}",
+        ends.count(),
+        scene.emitters.len()
+    )
 }
 
 fn image(scene: &Scene) -> String {

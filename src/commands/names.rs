@@ -40,6 +40,15 @@ impl std::fmt::Display for IntegratorName {
     }
 }
 
+/// Whether light is sought through chains of smooth glass and mirrors.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum SpecularName {
+    /// Connect vertices to lights through smooth glass and mirrors
+    On,
+    /// Leave such light to paths that hit an emitter by chance
+    Off,
+}
+
 /// How mmlt renders direct light.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum DirectName {

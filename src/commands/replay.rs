@@ -156,9 +156,8 @@ fn path_line(scene: &Scene, path: &PathContribution) -> String {
         "  <- not finite or negative: left out of the image"
     };
     format!(
-        "technique s = {}, t = {} at film position ({:.2}, {:.2}): value {} x weight {}{fault}",
-        path.technique.s(),
-        path.technique.t(),
+        "technique {} at film position ({:.2}, {:.2}): value {} x weight {}{fault}",
+        path.technique,
         path.film.x * scene.film.width as f32,
         path.film.y * scene.film.height as f32,
         triple(path.value.as_dvec3()),

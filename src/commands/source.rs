@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use metrolight::analysis::{lost_light, trapped_light};
 use metrolight::mitsuba::{self, Overrides};
-use metrolight::scene::Scene;
+use metrolight::scene::{Casters, Scene};
 use metrolight::technique::TechniqueSet;
 use miette::IntoDiagnostic;
 
+use super::names::SpecularName;
 use super::numbers::duration;
 use super::{values, wording};
 
@@ -36,6 +37,11 @@ pub struct SceneArgs {
         allow_negative_numbers = true
     )]
     pub max_depth: Option<values::MaxDepth>,
+
+    /// Specular next event estimation: connect vertices to lights through smooth glass and mirrors, where no
+    /// other connection exists
+    #[arg(long, value_name = "MODE", default_value = "on")]
+    pub specular: SpecularName,
 }
 
 /// A scene that is ready to be rendered.
@@ -80,9 +86,12 @@ impl SceneArgs {
         let load_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
-        let scene = description
+        let mut scene = description
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
+        if self.specular == SpecularName::Off {
+            scene.casters = Casters::none();
+        }
         let build_seconds = start.elapsed().as_secs_f64();
         warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
         Ok(Opened {
@@ -107,6 +116,9 @@ impl SceneArgs {
                 Some(depth) => format!("--max-depth {depth}"),
                 None => "--max-depth -1".into(),
             });
+        }
+        if self.specular == SpecularName::Off {
+            words.push("--specular off".into());
         }
         words.join(" ")
     }

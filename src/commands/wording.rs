@@ -61,30 +61,31 @@ pub fn lost_light(lost: &LostLight) -> String {
         [one, two] => format!("{one} and {two} are"),
         [one, more @ ..] => format!("{one} and {} more shapes are", more.len()),
     };
+    // Chains of the kinds that technique 1* seeks are not reported.
+    let lit = format!("{surfaces} lit by {emitter} through smooth glass or mirrors");
+    let chains = "in chains that specular next event estimation does not seek";
     match (lost.techniques, lost.loss) {
         (TechniqueSet::Bidirectional, Loss::Always) => format!(
-            "lost light: {surfaces} lit by {emitter} through smooth glass or mirrors and seen \
-             through smooth glass or mirrors. No integrator here finds that light, so the image is \
-             too dark there. Use a small area light, or make the glass or mirrors a little rough"
+            "lost light: {lit} {chains}, and seen through smooth glass or mirrors. No integrator here \
+             finds that light, so the image is too dark there. Use a small area light, or make the \
+             glass or mirrors a little rough"
         ),
         (TechniqueSet::Path, Loss::Always) => format!(
-            "lost light: {surfaces} lit by {emitter} through smooth glass or mirrors, which path \
-             tracing cannot find. Use bdpt, pssmlt or mmlt, which find it where it is seen directly"
+            "lost light: {lit} {chains}, which path tracing cannot find. Use bdpt, pssmlt or mmlt, \
+             which find it where it is seen directly"
         ),
         (TechniqueSet::Light, _) => format!(
             "lost light: {surfaces} seen through smooth glass or mirrors, where light tracing finds \
              nothing. Use another integrator"
         ),
         (TechniqueSet::Bidirectional, Loss::Nearly) => format!(
-            "rare light: {surfaces} lit by {emitter} through smooth glass or mirrors and seen \
-             through smooth glass or mirrors. Only paths that hit the emitter by chance find that \
-             light, and none of {PROBES} did. Expect fireflies, or darkness in their place. Use a \
-             larger emitter, or make the glass or mirrors a little rough"
+            "rare light: {lit} {chains}, and seen through smooth glass or mirrors. Only paths that hit \
+             the emitter by chance find that light, and none of {PROBES} did. Expect fireflies, or \
+             darkness in their place. Use a larger emitter, or make the glass or mirrors a little rough"
         ),
         (TechniqueSet::Path, Loss::Nearly) => format!(
-            "rare light: {surfaces} lit by {emitter} through smooth glass or mirrors. Path tracing \
-             finds that light only by hitting the emitter, and none of {PROBES} paths did. Use \
-             bdpt, pssmlt or mmlt, which find it where it is seen directly"
+            "rare light: {lit} {chains}. Path tracing finds that light only by hitting the emitter, and \
+             none of {PROBES} paths did. Use bdpt, pssmlt or mmlt, which find it where it is seen directly"
         ),
     }
 }

@@ -6,7 +6,9 @@ use super::{PathSampler, Workspace, max_edges};
 use crate::path::trace_light_subpath;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::technique::{PathContribution, Technique, connect_to_camera, connect_vertices};
+use crate::technique::{
+    PathContribution, Technique, TechniqueSet, connect_to_camera, connect_vertices,
+};
 
 /// Bidirectional path tracing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,9 +23,10 @@ impl PathSampler for BidirectionalPathTracer {
         workspace: &mut Workspace,
         mut visit: impl FnMut(PathContribution),
     ) {
-        // s = 0 and s = 1.
+        // s = 0, s = 1 and 1*.
         let film = camera_paths(
             scene,
+            TechniqueSet::Bidirectional,
             sampler,
             workspace,
             |hit| hit.connection(),
@@ -37,6 +40,7 @@ impl PathSampler for BidirectionalPathTracer {
             camera,
             light,
             rays,
+            ..
         } = workspace;
         trace_light_subpath(scene, edges.saturating_sub(1), sampler, rays, light);
         for (j, y) in (1..).zip(&light.vertices) {

@@ -1,5 +1,6 @@
 //! The techniques common to path tracing and bidirectional path tracing: a camera subpath whose vertices
-//! hit lights (s = 0) or are connected to lights by next event estimation (s = 1).
+//! hit lights (s = 0) or are connected to lights by next event estimation, directly (s = 1) or through delta
+//! vertices (1*).
 
 use glam::Vec2;
 
@@ -8,15 +9,17 @@ use crate::path::{dimensions, trace_camera_subpath};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::technique::{
-    Connection, Hit, NextEvent, PathContribution, Technique, hit_environment, hit_light,
+    Connection, Hit, NextEvent, PathContribution, Technique, TechniqueSet, has_specular,
+    hit_environment, hit_light, specular_next_event, specular_term,
 };
 
-/// Traces a camera subpath and calls `visit` for every path of techniques s = 0 and s = 1 that carries
-/// light, weighted by `weigh_hit` and `weigh_next_event`, which depend on the techniques that a method
+/// Traces a camera subpath and calls `visit` for every path of techniques s = 0, s = 1 and 1* that carries
+/// light. The first two are weighted by `weigh_hit` and `weigh_next_event`, which depend on the techniques that a method
 /// combines. Returns the film position of the subpath.
 #[inline]
 pub(super) fn camera_paths<S: Sampler>(
     scene: &Scene,
+    set: TechniqueSet,
     sampler: &mut S,
     workspace: &mut Workspace,
     weigh_hit: impl Fn(&Hit) -> Connection,
@@ -24,12 +27,19 @@ pub(super) fn camera_paths<S: Sampler>(
     visit: &mut impl FnMut(PathContribution),
 ) -> Vec2 {
     let edges = max_edges(scene);
-    let Workspace { camera, rays, .. } = workspace;
+    let Workspace {
+        camera,
+        rays,
+        candidates,
+        ..
+    } = workspace;
     let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
     trace_camera_subpath(scene, film, edges, sampler, rays, camera);
+    let camera = &*camera;
     let mut previous = camera.start;
     for (i, z) in (1..).zip(&camera.vertices) {
-        if let Some(hit) = hit_light(scene, z, i, previous) {
+        let term = || specular_term(scene, camera, i, set, candidates, rays);
+        if let Some(hit) = hit_light(scene, z, i, previous, term) {
             let technique = Technique::Hit { t: i + 1 };
             visit(PathContribution::new(technique, film, weigh_hit(&hit)));
         }
@@ -40,12 +50,23 @@ pub(super) fn camera_paths<S: Sampler>(
             let connection = weigh_next_event(&next_event);
             visit(PathContribution::new(technique, film, connection));
         }
+        if i + 1 < edges && has_specular(scene, z, set) {
+            specular_next_event(scene, z, i, sampler, candidates, rays, |found| {
+                let (t, n) = (i + 1, found.length);
+                if t + n <= edges {
+                    let technique = Technique::Specular { t, n };
+                    visit(PathContribution::new(technique, film, found.connection));
+                }
+            });
+        }
         previous = z.position();
     }
     let i = camera.vertices.len() + 1;
     if i <= edges
         && let Some(vertex) = &camera.environment
-        && let Some(hit) = hit_environment(scene, vertex, i)
+        && let Some(hit) = hit_environment(scene, vertex, i, || {
+            specular_term(scene, camera, i, set, candidates, rays)
+        })
     {
         let technique = Technique::Hit { t: i + 1 };
         visit(PathContribution::new(technique, film, weigh_hit(&hit)));

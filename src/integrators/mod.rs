@@ -35,6 +35,7 @@ pub use splat_list::SplatList;
 
 use crate::path::Subpath;
 use crate::sampling::Sampler;
+use crate::scene::specular::Candidate;
 use crate::scene::{RayCounts, Scene};
 use crate::technique::PathContribution;
 
@@ -67,15 +68,31 @@ pub trait PathSampler: Sync {
     }
 }
 
+/// Initial capacity of the memory for specular chains.
+const CANDIDATES: usize = 64;
+
 /// Memory that a path sampler reuses for every sample, and its ray counts.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Workspace {
     /// The last camera subpath.
     pub camera: Subpath,
     /// The last light subpath.
     pub light: Subpath,
+    /// Memory for the specular chains of a vertex.
+    pub candidates: Vec<Candidate>,
     /// Rays traced so far.
     pub rays: RayCounts,
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self {
+            camera: Subpath::default(),
+            light: Subpath::default(),
+            candidates: Vec::with_capacity(CANDIDATES),
+            rays: RayCounts::default(),
+        }
+    }
 }
 
 /// Maximum number of edges of a path, or an effectively unreachable bound if unlimited: Russian roulette

@@ -7,7 +7,7 @@ use super::{PathSampler, Workspace};
 use crate::path::mis::{h, weight};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::technique::{Connection, Hit, NextEvent, PathContribution};
+use crate::technique::{Connection, Hit, NextEvent, PathContribution, TechniqueSet};
 
 /// Path tracing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,7 +22,8 @@ impl PathSampler for PathTracer {
         workspace: &mut Workspace,
         mut visit: impl FnMut(PathContribution),
     ) {
-        camera_paths(scene, sampler, workspace, hit, next_event, &mut visit);
+        let set = TechniqueSet::Path;
+        camera_paths(scene, set, sampler, workspace, hit, next_event, &mut visit);
     }
 }
 
@@ -35,7 +36,7 @@ fn hit(hit: &Hit) -> Connection {
     } else {
         h(f64::from(hit.emission.pdf_direct) / hit.mis.forward)
     };
-    hit.weighted(weight(0.0, next_event))
+    hit.weighted(weight(0.0, next_event + hit.specular))
 }
 
 /// Weighs a path of technique s = 1 against s = 0.

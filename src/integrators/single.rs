@@ -11,8 +11,8 @@ use crate::path::{dimensions, trace_camera_subpath, trace_light_subpath};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::technique::{
-    Connection, NextEvent, PathContribution, Technique, connect_to_camera, connect_vertices,
-    hit_environment, hit_light,
+    Connection, NextEvent, PathContribution, Technique, TechniqueSet, connect_to_camera,
+    connect_vertices, has_specular, hit_environment, hit_light, specular_next_event, specular_term,
 };
 
 /// The paths of one technique, with their weights among all bidirectional techniques.
@@ -28,9 +28,42 @@ impl PathSampler for SingleTechnique {
         workspace: &mut Workspace,
         mut visit: impl FnMut(PathContribution),
     ) {
-        if let Some((film, connection)) = sample(scene, self.0, sampler, workspace) {
-            visit(PathContribution::new(self.0, film, connection));
+        let technique = self.0;
+        if let Technique::Specular { t, n } = technique {
+            specular(scene, [t, n], sampler, workspace, |film, connection| {
+                visit(PathContribution::new(technique, film, connection));
+            });
+        } else if let Some((film, connection)) = sample(scene, technique, sampler, workspace) {
+            visit(PathContribution::new(technique, film, connection));
         }
+    }
+}
+
+/// The paths of technique 1* with t camera vertices and n delta vertices, and their film position.
+#[inline]
+fn specular<S: Sampler>(
+    scene: &Scene,
+    [t, n]: [usize; 2],
+    sampler: &mut S,
+    workspace: &mut Workspace,
+    mut visit: impl FnMut(Vec2, Connection),
+) {
+    let Workspace {
+        camera,
+        rays,
+        candidates,
+        ..
+    } = workspace;
+    let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
+    trace_camera_subpath(scene, film, t - 1, sampler, rays, camera);
+    let vertex = camera.vertices.get(t - 2);
+    let set = TechniqueSet::Bidirectional;
+    if let Some(z) = vertex.filter(|z| has_specular(scene, z, set)) {
+        specular_next_event(scene, z, t - 1, sampler, candidates, rays, |found| {
+            if found.length == n {
+                visit(film, found.connection);
+            }
+        });
     }
 }
 
@@ -63,23 +96,31 @@ fn sample<S: Sampler>(
         camera,
         light,
         rays,
+        candidates,
     } = workspace;
     let film = Vec2::from(sampler.get::<2>(dimensions::FILM));
     trace_camera_subpath(scene, film, t - 1, sampler, rays, camera);
+    let camera = &*camera;
+    let set = TechniqueSet::Bidirectional;
     let Some(z) = camera.vertices.get(t - 2) else {
         // Paths of t - 2 surface vertices whose last vertex is at infinity.
         let at_infinity = s == 0 && camera.vertices.len() == t - 2;
         let vertex = camera.environment.as_ref().filter(|_| at_infinity)?;
-        return Some((film, hit_environment(scene, vertex, t - 1)?.connection()));
+        let term = || specular_term(scene, camera, t - 1, set, candidates, rays);
+        return Some((
+            film,
+            hit_environment(scene, vertex, t - 1, term)?.connection(),
+        ));
     };
     let connection = match technique {
         Technique::Hit { .. } => {
-            hit_light(scene, z, t - 1, camera.position_before(t - 2))?.connection()
+            let term = || specular_term(scene, camera, t - 1, set, candidates, rays);
+            hit_light(scene, z, t - 1, camera.position_before(t - 2), term)?.connection()
         }
         Technique::NextEvent { .. } => {
             NextEvent::sample(scene, z, t - 1, sampler, rays)?.connection()
         }
-        Technique::Camera { .. } => return None,
+        Technique::Camera { .. } | Technique::Specular { .. } => return None,
         Technique::Join { .. } => {
             let y = light.vertices.get(s - 2)?;
             let z = Some(z).filter(|z| z.is_connectible(scene))?;

@@ -13,7 +13,7 @@ use crate::fault::{Fault, planted};
 use crate::sampling::{Dimension, Sampler, Stream};
 
 /// Initial capacity of a stream, in coordinates.
-const CAPACITY: usize = 32;
+const CAPACITY: usize = 64;
 
 /// Up to this number of accepted steps are always simulated, even if they make a coordinate uniform.
 const MIN_SKIPPED_STEPS: u64 = 16;

@@ -37,6 +37,12 @@ pub const fn next_event(i: usize) -> Dimension {
     Dimension::new(Stream::Connection, i * PER_CONNECTION)
 }
 
+/// The point on a light that technique 1* connects to z_i: light, primitive, position (2).
+#[inline]
+pub const fn specular(i: usize) -> Dimension {
+    Dimension::new(Stream::Specular, (i - 1) * 4)
+}
+
 /// The point on the lens that technique t = 1 connects to y_i.
 #[inline]
 pub const fn connect_to_camera(i: usize) -> Dimension {

@@ -104,6 +104,13 @@ impl PartialMis {
         }
     }
 
+    /// True if the path so far, with a chain of delta vertices after x_i, can be sampled by a technique that
+    /// connects two of its vertices.
+    #[inline]
+    pub fn has_connection(&self) -> bool {
+        self.connectible || self.partial > 0.0
+    }
+
     /// S_i of (3): `other` is b_i, the density at x_i of the other subpath, and `reverse` is r_i.
     #[inline]
     pub fn sum(&self, other: f64, reverse: f64) -> f64 {

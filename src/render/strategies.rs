@@ -17,7 +17,7 @@ use crate::integrators::{BidirectionalPathTracer, PathSampler};
 use crate::math::Rgb;
 use crate::math::color::is_light;
 use crate::scene::Scene;
-use crate::technique::{PathContribution, Technique};
+use crate::technique::{PathContribution, Technique, Techniques};
 
 /// The images of one technique.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub struct TechniqueImages {
 /// The images of all techniques.
 #[derive(Debug)]
 pub struct Strategies {
-    /// In the order of [`Technique::all`].
+    /// In the order of [`Techniques::all`].
     pub images: Vec<TechniqueImages>,
     /// Samples, rays, times.
     pub statistics: Statistics,
@@ -72,6 +72,9 @@ pub enum StrategiesError {
 /// Maximum memory for films, in bytes.
 const MAX_BYTES: u64 = 8_000_000_000;
 
+/// Number of edges up to which techniques are counted one by one.
+const MAX_COUNTED: u32 = 1 << 12;
+
 /// Memory for a pixel of a technique, in bytes: sums of samples, sums of splats and a number of samples,
 /// for each of two films, and two pixels of 32-bit floats.
 const PIXEL_BYTES: u64 = 2 * (24 + 24 + 8) + 2 * 12;
@@ -92,6 +95,7 @@ pub fn strategies(
         observer.phase("rendering");
         let mut pyramid = Pyramid::new(scene, settings, edges);
         let mut passes = PassLoop::new(scene, settings.seed);
+        let techniques = Techniques::of(scene);
         let clock = Clock::new(
             Instant::now(),
             settings.budget,
@@ -101,7 +105,7 @@ pub fn strategies(
         while !clock.is_over(passes.samples()) {
             let tiles =
                 passes.advance(&clock, |pixel, sampler, workspace, tile: &mut TilePaths| {
-                    let add = |path| tile.add(pixel, &path);
+                    let add = |path| tile.add(pixel, &path, techniques);
                     BidirectionalPathTracer.sample_paths(scene, sampler, workspace, add);
                 });
             pyramid.add(&tiles);
@@ -116,14 +120,17 @@ pub fn strategies(
 /// If the scene does not limit the length of paths, or the images would not fit into memory.
 pub fn check(scene: &Scene) -> Result<u32, StrategiesError> {
     let edges = scene.depth.max_depth.ok_or(StrategiesError::Unlimited)?;
-    check_memory(edges, pixel_count(scene))?;
+    check_memory(edges, Techniques::of(scene), pixel_count(scene))?;
     Ok(edges)
 }
 
-fn check_memory(edges: u32, pixels: u64) -> Result<(), StrategiesError> {
-    // The length of `Technique::all`.
-    let edges = u64::from(edges);
-    let techniques = (edges.saturating_mul(edges + 3) / 2).saturating_sub(1);
+fn check_memory(edges: u32, techniques: Techniques, pixels: u64) -> Result<(), StrategiesError> {
+    // At most as many for each length as for the longest paths.
+    let most = techniques.count(edges as usize) as u64;
+    let techniques = match edges {
+        0..=MAX_COUNTED => techniques.all(edges as usize).count() as u64,
+        _ => u64::from(edges).saturating_mul(most),
+    };
     let bytes = techniques
         .saturating_mul(pixels)
         .saturating_mul(PIXEL_BYTES);
@@ -162,14 +169,14 @@ impl TileBuffer for TilePaths {
 impl TilePaths {
     /// Adds a path of the sample of `pixel`.
     #[inline]
-    fn add(&mut self, pixel: u64, path: &PathContribution) {
+    fn add(&mut self, pixel: u64, path: &PathContribution, techniques: Techniques) {
         let Splat { position, value } = path.splat();
         let both = [path.value, value];
         if !both.iter().all(|&value| is_light(value)) {
             self.non_finite.push(pixel);
             return;
         }
-        let ordinal = path.technique.ordinal();
+        let ordinal = techniques.ordinal(path.technique);
         if !path.technique.is_light_image() {
             self.pixels.push((pixel, ordinal, both));
             return;
@@ -197,7 +204,7 @@ struct Pyramid<'a> {
 
 impl<'a> Pyramid<'a> {
     fn new(scene: &'a Scene, settings: &'a Settings, edges: u32) -> Self {
-        let techniques: Vec<Technique> = Technique::all(edges as usize).collect();
+        let techniques: Vec<Technique> = Techniques::of(scene).all(edges as usize).collect();
         let [width, height] = [scene.film.width, scene.film.height];
         let film = || Film::new(width, height, scene.film.filter);
         Self {
@@ -279,9 +286,12 @@ mod tests {
 
     #[test]
     fn memory_is_limited() {
-        assert!(check_memory(5, 1 << 20).is_ok());
-        assert!(check_memory(u32::MAX, 1).is_err());
-        let error = check_memory(10, 1 << 22).unwrap_err().to_string();
+        let techniques = Techniques::without_chains();
+        assert!(check_memory(5, techniques, 1 << 20).is_ok());
+        assert!(check_memory(u32::MAX, techniques, 1).is_err());
+        let error = check_memory(10, techniques, 1 << 22)
+            .unwrap_err()
+            .to_string();
         assert!(
             error.contains("64 techniques at 4194304 pixels would take 37 GB"),
             "{error}"

@@ -16,11 +16,13 @@ pub enum Stream {
     Connection,
     /// The technique, for samples that choose one.
     Technique,
+    /// Points on lights that are connected through specular chains.
+    Specular,
 }
 
 impl Stream {
     /// Number of streams.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 5;
 }
 
 /// The address of a coordinate of the hypercube.

@@ -9,7 +9,7 @@ use super::light::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap, PointEmitter,
 };
 use super::{
-    EmitterDescription, MAX_DISTANCE, SCENE_RADIUS, Scene, SceneDescription, SceneError,
+    Casters, EmitterDescription, MAX_DISTANCE, SCENE_RADIUS, Scene, SceneDescription, SceneError,
     ShapeDescription, ShapeGeometry, TriangleMesh,
 };
 use crate::math::Rgb;
@@ -50,9 +50,12 @@ impl SceneDescription {
         for emitter in self.emitters {
             emitters.push(build_emitter(emitter, &units)?);
         }
+        let casters = Casters::new(&geometry, &self.materials);
+        let emitters = Emitters::new(emitters, geometry.shape_count(), casters.bounds())?;
         Ok(Scene {
             camera,
-            emitters: Emitters::new(emitters, geometry.shape_count())?,
+            casters,
+            emitters,
             geometry,
             materials: self.materials,
             textures: self.textures,

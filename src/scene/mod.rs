@@ -22,13 +22,16 @@ pub mod geometry;
 pub mod interaction;
 pub mod light;
 pub mod mesh;
+pub mod specular;
 pub mod texture;
 
 #[cfg(test)]
 mod test_scenes;
 
 pub use crate::bvh::Ray;
-pub use bsdf::{BsdfEvaluation, BsdfSample, Material, MicrofacetDistribution, TransportMode};
+pub use bsdf::{
+    BsdfEvaluation, BsdfSample, DeltaLobe, Material, MicrofacetDistribution, TransportMode,
+};
 pub use camera::{Camera, LensSample};
 pub use description::{
     CameraDescription, DepthLimits, EmitterDescription, FilmSettings, SceneDescription, SceneError,
@@ -36,8 +39,9 @@ pub use description::{
 };
 pub use geometry::{Geometry, RayCounts};
 pub use interaction::SurfacePoint;
-pub use light::{EmissionSample, EmitterKind, Emitters, LightEvaluation, LightSample};
+pub use light::{ChainEnd, EmissionSample, EmitterKind, Emitters, LightEvaluation, LightSample};
 pub use mesh::TriangleMesh;
+pub use specular::Casters;
 pub use texture::{Bitmap, Interpolation, Texture, Wrap};
 
 use glam::DVec3;
@@ -59,6 +63,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Size of the image and its reconstruction filter.
     pub film: FilmSettings,
+    /// Shapes that reflect or refract without roughness, for next event estimation through them.
+    pub casters: Casters,
     /// Limits on the length of paths.
     pub depth: DepthLimits,
     /// Length of one scene unit in the units of the scene file.
@@ -71,6 +77,12 @@ pub struct Scene {
 const MAX_DISTANCE: f32 = 1e18;
 
 impl Scene {
+    /// True if specular chains can be sought: there are casters, and emitters on which chains end.
+    #[inline]
+    pub fn has_chains(&self) -> bool {
+        !self.casters.is_empty() && self.emitters.end_chains()
+    }
+
     /// Converts a point in scene units to world coordinates, in the units of the scene file.
     pub fn to_world(&self, point: glam::Vec3A) -> DVec3 {
         point.as_dvec3() * self.unit + self.center

@@ -18,22 +18,26 @@ pub struct Hit<'a> {
     pub mis: &'a PartialMis,
     /// Number of edges of the path.
     pub edges: usize,
+    /// The term of technique 1* in the weight: [`super::specular::specular_term`].
+    pub specular: f64,
 }
 
 /// The path of `edges` edges that ends at `vertex`, camera vertex z_i with i = `edges`. `previous` is the
-/// position of z_{i-1}. `None` if the surface emits no light toward it.
+/// position of z_{i-1}, and `specular` gives [`Hit::specular`]. `None` if the surface emits no light toward it.
 #[inline]
 pub fn hit_light<'a>(
     scene: &Scene,
     vertex: &'a Vertex,
     edges: usize,
     previous: Vec3A,
+    specular: impl FnOnce() -> f64,
 ) -> Option<Hit<'a>> {
     Some(Hit {
         emission: vertex.emission(scene, previous)?,
         throughput: vertex.throughput,
         mis: &vertex.mis,
         edges,
+        specular: specular(),
     })
 }
 
@@ -44,12 +48,14 @@ pub fn hit_environment<'a>(
     scene: &Scene,
     vertex: &'a EnvironmentVertex,
     edges: usize,
+    specular: impl FnOnce() -> f64,
 ) -> Option<Hit<'a>> {
     Some(Hit {
         emission: scene.emitters.evaluate_environment(vertex.direction)?,
         throughput: vertex.throughput,
         mis: &vertex.mis,
         edges,
+        specular: specular(),
     })
 }
 
@@ -77,6 +83,6 @@ impl Hit<'_> {
                 f64::from(emission.pdf_direction),
             )
         };
-        self.weighted(weight(0.0, camera))
+        self.weighted(weight(0.0, camera + self.specular))
     }
 }

@@ -3,10 +3,11 @@
 //! contribution is zero.
 //!
 //! ```
-//! use metrolight::technique::Technique;
+//! use metrolight::technique::Techniques;
 //!
 //! // Paths of two edges: a light that is hit, next event estimation, and a connection to the lens.
-//! let names: Vec<String> = Technique::all(2).skip(1).map(|t| t.to_string()).collect();
+//! let techniques = Techniques::without_chains();
+//! let names: Vec<String> = techniques.all(2).skip(1).map(|t| t.to_string()).collect();
 //! assert_eq!(names, ["(0,3)", "(1,2)", "(2,1)"]);
 //! ```
 
@@ -15,6 +16,8 @@ pub mod contribution;
 pub mod hit;
 pub mod join;
 pub mod next_event;
+pub mod specular;
+pub mod techniques;
 
 use std::fmt;
 
@@ -23,6 +26,8 @@ pub use contribution::{Connection, PathContribution};
 pub use hit::{Hit, hit_environment, hit_light};
 pub use join::connect_vertices;
 pub use next_event::NextEvent;
+pub use specular::{SpecularNextEvent, has_specular, specular_next_event, specular_term};
+pub use techniques::Techniques;
 
 /// Veach's technique (s, t): a path is formed from s light subpath vertices (the point on the light
 /// included) and t camera subpath vertices (the point on the lens included).
@@ -51,6 +56,14 @@ pub enum Technique {
         /// Camera subpath vertices.
         t: usize,
     },
+    /// 1*: a point on a light is sampled and connected to the last vertex of the camera subpath through delta
+    /// vertices (specular next event estimation).
+    Specular {
+        /// Camera subpath vertices.
+        t: usize,
+        /// Delta vertices.
+        n: usize,
+    },
 }
 
 impl Technique {
@@ -65,13 +78,14 @@ impl Technique {
         }
     }
 
-    /// Vertices of the light subpath.
+    /// Vertices of the light subpath. For 1* the point on the light and the delta vertices.
     #[inline]
     pub fn s(self) -> usize {
         match self {
             Self::Hit { .. } => 0,
             Self::NextEvent { .. } => 1,
             Self::Camera { s } | Self::Join { s, .. } => s,
+            Self::Specular { n, .. } => n + 1,
         }
     }
 
@@ -80,7 +94,10 @@ impl Technique {
     pub fn t(self) -> usize {
         match self {
             Self::Camera { .. } => 1,
-            Self::Hit { t } | Self::NextEvent { t } | Self::Join { t, .. } => t,
+            Self::Hit { t }
+            | Self::NextEvent { t }
+            | Self::Join { t, .. }
+            | Self::Specular { t, .. } => t,
         }
     }
 
@@ -94,40 +111,6 @@ impl Technique {
     #[inline]
     pub fn is_light_image(self) -> bool {
         matches!(self, Self::Camera { .. })
-    }
-
-    /// Number of techniques that bidirectional path tracing has for paths of `edges` >= 1 edges. Paths of
-    /// one edge (directly visible lights) have only (0, 2).
-    #[inline]
-    pub fn count(edges: usize) -> usize {
-        if edges == 1 { 1 } else { edges + 1 }
-    }
-
-    /// Technique `i` < [`Self::count`] for paths of `edges` edges, in the order of s.
-    #[inline]
-    pub fn nth(edges: usize, i: usize) -> Self {
-        Self::new(i, edges + 1 - i)
-    }
-
-    /// Its index among the techniques of its path length: the inverse of [`Self::nth`].
-    #[inline]
-    pub fn index(self) -> usize {
-        self.s()
-    }
-
-    /// All techniques of bidirectional path tracing for paths of up to `max_edges` edges, by length.
-    pub fn all(max_edges: usize) -> impl Iterator<Item = Self> {
-        (1..=max_edges).flat_map(|k| (0..Self::count(k)).map(move |i| Self::nth(k, i)))
-    }
-
-    /// Its index in [`Self::all`].
-    #[inline]
-    pub fn ordinal(self) -> usize {
-        match self.edges() {
-            1 => 0,
-            // It follows one technique of one edge, and j + 1 techniques of j edges for 2 <= j < k.
-            k => k * (k + 1) / 2 - 2 + self.index(),
-        }
     }
 }
 
@@ -143,28 +126,11 @@ pub enum TechniqueSet {
 }
 
 impl fmt::Display for Technique {
-    /// As Veach writes it: (s,t).
+    /// As Veach writes it: (s,t). For 1* an asterisk for every delta vertex, as in (1**,3).
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "({},{})", self.s(), self.t())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn techniques_are_enumerated_by_length_and_s() {
-        let all: Vec<Technique> = Technique::all(7).collect();
-        assert_eq!(all.len(), 34);
-        for (i, &technique) in all.iter().enumerate() {
-            assert_eq!(technique.ordinal(), i, "{technique}");
-            let (s, t) = (technique.s(), technique.t());
-            assert_eq!(Technique::new(s, t), technique);
-            let from_index = Technique::nth(technique.edges(), technique.index());
-            assert_eq!(from_index, technique);
+        match self {
+            Self::Specular { t, n } => write!(f, "(1{},{t})", "*".repeat(*n)),
+            _ => write!(f, "({},{})", self.s(), self.t()),
         }
-        let names: Vec<String> = all[..4].iter().map(ToString::to_string).collect();
-        assert_eq!(names, ["(0,2)", "(0,3)", "(1,2)", "(2,1)"]);
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use metrolight::render::Settings;
-use metrolight::scene::Scene;
+use metrolight::scene::{Casters, Scene};
 use serde::Deserialize;
 
 use super::comparison::{Comparison, Renderings, uniformity};
@@ -64,7 +64,12 @@ impl Entry {
         let mut defines: Vec<(&str, &str)> = vec![("integrator", "path")];
         defines.extend(size.iter().map(|(k, v)| (*k, v.as_str())));
         defines.extend(self.defines.iter().map(|(k, v)| (k.as_str(), v.as_str())));
-        super::load(&self.scene, &defines)
+        let mut scene = super::load(&self.scene, &defines);
+        if self.methods == Methods::Path {
+            // Mitsuba's path tracer does not find the light of technique 1*.
+            scene.casters = Casters::none();
+        }
+        scene
     }
 
     /// Mitsuba's renderings, reduced to tiles of `size`.

@@ -5,8 +5,8 @@
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::scene::{
-    EmitterDescription, Material, Scene, ShapeDescription, ShapeGeometry, Texture, ThinLens,
-    TriangleMesh,
+    Casters, EmitterDescription, Material, Scene, ShapeDescription, ShapeGeometry, Texture,
+    ThinLens, TriangleMesh,
 };
 
 use super::classes::{Emitter, Lens};
@@ -67,7 +67,10 @@ pub fn plates(emitter: Emitter, lens: Lens, glass_and_mirror: bool, depth: u32) 
             irradiance: Rgb::new(3.0, 4.0, 5.0),
         }),
     }
-    builder.build()
+    let mut scene = builder.build();
+    // The classes are those that the techniques (s, t) find or miss.
+    scene.casters = Casters::none();
+    scene
 }
 
 fn diffuse_plates() -> Vec<ShapeDescription> {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use metrolight::film::{check_writable, write_exr};
 use metrolight::render::strategies::check;
 use metrolight::render::{Budget, Method, Settings, Strategies, strategies};
-use metrolight::technique::{Technique, TechniqueSet};
+use metrolight::technique::{Technique, TechniqueSet, Techniques};
 use miette::{IntoDiagnostic, bail};
 use serde_json::{Value, json};
 
@@ -96,7 +96,7 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
         ..Settings::new(Method::Bdpt)
     };
     let edges = check(&opened.scene).into_diagnostic()?;
-    prepare(&args.output, edges)?;
+    prepare(&args.output, Techniques::of(&opened.scene), edges)?;
     interrupt::listen()?;
     let mut warnings = opened.warnings.clone();
     warnings.extend(opened.lost_light(TechniqueSet::Bidirectional));
@@ -131,11 +131,11 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
 }
 
 /// Makes the directory and checks that all files can be written.
-fn prepare(directory: &Path, edges: u32) -> miette::Result<()> {
+fn prepare(directory: &Path, techniques: Techniques, edges: u32) -> miette::Result<()> {
     output::make_directory(directory)?;
     for kind in Kind::ALL {
         check_writable(&directory.join(kind.sheet())).into_diagnostic()?;
-        for technique in Technique::all(edges as usize) {
+        for technique in techniques.all(edges as usize) {
             check_writable(&directory.join(kind.exr(technique))).into_diagnostic()?;
         }
     }
@@ -162,10 +162,9 @@ fn write(
     });
     for images in &rendering.images {
         for kind in Kind::ALL {
-            let (s, t) = (images.technique.s(), images.technique.t());
             let mut attributes = output::attributes(&report);
-            let technique = json!({ "s": s, "t": t, "image": kind.name() });
-            let technique = json!({ "technique": technique });
+            let mut technique = json!({ "technique": names(images.technique) });
+            technique["technique"]["image"] = json!(kind.name());
             attributes.extend(output::attributes(&technique));
             let path = args.output.join(kind.exr(images.technique));
             write_exr(&path, kind.of(images), &[], &attributes).into_diagnostic()?;
@@ -195,18 +194,24 @@ fn table(rendering: &Strategies, shares: &Shares) -> Value {
     let rows = rendering.images.iter().enumerate();
     rows.map(|(i, images)| {
         let technique = images.technique;
-        json!({
-            "s": technique.s(),
-            "t": technique.t(),
-            "edges": technique.edges(),
-            "mean_luminance_unweighted": shares.means[i][0],
-            "mean_luminance_weighted": shares.means[i][1],
-            "share": shares.share(i),
-            "unweighted": Kind::Unweighted.exr(technique),
-            "weighted": Kind::Weighted.exr(technique),
-        })
+        let mut row = names(technique);
+        row["edges"] = json!(technique.edges());
+        row["mean_luminance_unweighted"] = json!(shares.means[i][0]);
+        row["mean_luminance_weighted"] = json!(shares.means[i][1]);
+        row["share"] = json!(shares.share(i));
+        row["unweighted"] = json!(Kind::Unweighted.exr(technique));
+        row["weighted"] = json!(Kind::Weighted.exr(technique));
+        row
     })
     .collect()
+}
+
+/// s and t of a technique; for technique 1* the number of delta vertices in place of s.
+fn names(technique: Technique) -> Value {
+    match technique {
+        Technique::Specular { t, n } => json!({ "specular": n, "t": t }),
+        _ => json!({ "s": technique.s(), "t": technique.t() }),
+    }
 }
 
 /// The files written, and the share of each technique in the light of the image.
@@ -232,9 +237,8 @@ fn summary(args: &Args, rendering: &Strategies, shares: &Shares) -> String {
         let images = rendering.images.iter().enumerate();
         let images = images.filter(|(_, images)| images.technique.edges() == k);
         let cells = images.map(|(i, images)| {
-            let (s, t) = (images.technique.s(), images.technique.t());
             let share = shares.share(i).map_or("-".into(), percent);
-            format!("({s},{t}) {share:>5}")
+            format!("{} {share:>5}", images.technique)
         });
         let cells: Vec<String> = cells.collect();
         lines.push(format!("  {:<8} {}", edges_text(k), cells.join("   ")));

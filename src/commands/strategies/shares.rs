@@ -33,8 +33,11 @@ impl Kind {
 
     /// File name of the image of a technique.
     pub fn exr(self, technique: Technique) -> String {
-        let (s, t) = (technique.s(), technique.t());
-        format!("{}_s{s}_t{t}.exr", self.name())
+        let kind = self.name();
+        match technique {
+            Technique::Specular { t, n } => format!("{kind}_specular{n}_t{t}.exr"),
+            _ => format!("{kind}_s{}_t{}.exr", technique.s(), technique.t()),
+        }
     }
 
     /// File name of the contact sheet.

@@ -36,7 +36,6 @@ pub fn sheet(
     note: &str,
 ) -> miette::Result<Vec<u8>> {
     let cell = |i: usize, images: &TechniqueImages, stops: f64| {
-        let (s, t) = (images.technique.s(), images.technique.t());
         let image = kind.of(images);
         let note = match (kind, shares.share(i)) {
             _ if shares.means[i][0] == 0.0 => "no light".into(),
@@ -44,7 +43,7 @@ pub fn sheet(
             _ => format!("mean {:.2e}", shares.means[i][0]),
         };
         Cell {
-            label: format!("({s},{t}): {note}"),
+            label: format!("{}: {note}", images.technique),
             picture: Picture {
                 width: image.width,
                 height: image.height,

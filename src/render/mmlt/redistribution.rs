@@ -37,7 +37,7 @@ use crate::render::pixel_sampler::PixelSampler;
 use crate::render::plan::Clamp;
 use crate::sampling::seeds::{self, Purpose};
 use crate::scene::{RayCounts, Scene};
-use crate::technique::Technique;
+use crate::technique::{Technique, Techniques};
 
 /// Minimum and maximum number of mutations of a chain. The minimum applies to small blocks.
 const MUTATIONS_PER_CHAIN: [u64; 2] = [64, 8192];
@@ -223,7 +223,12 @@ impl<'a> Redistribution<'a> {
     ) -> (ChainCounters, RayCounts) {
         let technique = start.technique;
         let mut target = MultiplexedTarget::new(self.scene, clamp, technique.edges());
-        let start = WithTechnique::new(start.sample, technique, rng.random());
+        let start = WithTechnique::new(
+            start.sample,
+            Techniques::of(self.scene),
+            technique,
+            rng.random(),
+        );
         let mut chain = Chain::start(&mut target, start, rng, self.mutations.clone());
         for _ in 0..mutations {
             log_sample(log, chain.step(&mut target).sample, weight);

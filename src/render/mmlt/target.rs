@@ -9,7 +9,7 @@ use crate::path::dimensions;
 use crate::render::plan::Clamp;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{RayCounts, Scene};
-use crate::technique::Technique;
+use crate::technique::{Technique, Techniques};
 
 /// Paths of one length; the technique is a coordinate of the state (Hachisuka et al. 2014, section 4).
 /// The density is the luminance of the residual, in units of the importance map, times the number of
@@ -19,6 +19,7 @@ pub struct MultiplexedTarget<'a> {
     clamp: &'a Clamp,
     /// k: number of edges of the paths.
     edges: usize,
+    techniques: Techniques,
     workspace: Workspace,
 }
 
@@ -29,6 +30,7 @@ impl<'a> MultiplexedTarget<'a> {
             scene,
             clamp,
             edges,
+            techniques: Techniques::of(scene),
             workspace: Workspace::default(),
         }
     }
@@ -41,13 +43,13 @@ impl<'a> MultiplexedTarget<'a> {
     /// The technique that the point chooses.
     #[inline]
     pub fn technique<S: Sampler>(&self, sampler: &mut S) -> Technique {
-        let count = Technique::count(self.edges);
+        let count = self.techniques.count(self.edges);
         let [mut choice] = sampler.get::<1>(dimensions::TECHNIQUE);
         if planted(Fault::TechniquesSkewed) {
             choice *= choice;
         }
         let i = ((choice * count as f32) as usize).min(count - 1);
-        Technique::nth(self.edges, i)
+        self.techniques.nth(self.edges, i)
     }
 }
 
@@ -58,7 +60,7 @@ impl Target for MultiplexedTarget<'_> {
     fn evaluate<S: Sampler>(&mut self, sampler: &mut S, out: &mut SplatList) -> f64 {
         out.clear();
         let technique = self.technique(sampler);
-        let mut count = Technique::count(self.edges) as f32;
+        let mut count = self.techniques.count(self.edges) as f32;
         if planted(Fault::TechniqueCountLeftOut) {
             count = 1.0;
         }
@@ -81,7 +83,8 @@ impl Target for MultiplexedTarget<'_> {
                 ..residual
             };
             out.add(technique, splat);
-            density = f64::from(self.clamp.luminance(splat));
+            // Technique 1* may find several paths at one point.
+            density += f64::from(self.clamp.luminance(splat));
         });
         density
     }
@@ -97,9 +100,9 @@ pub struct WithTechnique<S> {
 impl<S> WithTechnique<S> {
     /// `sample` with a technique coordinate that chooses `technique`. `u` in [0, 1) is the position within
     /// the interval of the technique.
-    pub fn new(sample: S, technique: Technique, u: f32) -> Self {
-        let count = Technique::count(technique.edges()) as f32;
-        let choice = (technique.index() as f32 + u) / count;
+    pub fn new(sample: S, techniques: Techniques, technique: Technique, u: f32) -> Self {
+        let count = techniques.count(technique.edges()) as f32;
+        let choice = (techniques.index(technique) as f32 + u) / count;
         Self {
             sample,
             choice: choice.min(1.0 - f32::EPSILON / 2.0),
@@ -129,13 +132,14 @@ mod tests {
     #[test]
     fn a_start_chooses_its_technique() {
         for edges in 1..9 {
-            for i in 0..Technique::count(edges) {
-                let technique = Technique::nth(edges, i);
+            let techniques = Techniques::without_chains();
+            for i in 0..techniques.count(edges) {
+                let technique = techniques.nth(edges, i);
                 for u in [0.0, 0.5, 1.0 - f32::EPSILON / 2.0] {
                     let sample = IndependentSampler::new(0, Purpose::Tests, 0);
-                    let mut start = WithTechnique::new(sample, technique, u);
+                    let mut start = WithTechnique::new(sample, techniques, technique, u);
                     let [choice] = start.get::<1>(dimensions::TECHNIQUE);
-                    let count = Technique::count(edges) as f32;
+                    let count = techniques.count(edges) as f32;
                     // Rounding may put the upper end of an interval into the next one.
                     let chosen = (choice * count) as usize;
                     assert!(

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::fresnel;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
 use crate::math::Rgb;
 use crate::scene::texture::TextureAt;
 
@@ -23,8 +23,13 @@ impl Bsdf for ConductorBsdf<'_> {
     }
 
     #[inline]
-    fn sample(&self, from: Vec3A, _: TransportMode, _: f32, _: Vec2) -> Option<BsdfSample> {
-        (from.z > 0.0).then(|| {
+    fn sample(&self, from: Vec3A, mode: TransportMode, _: f32, _: Vec2) -> Option<BsdfSample> {
+        self.sample_delta(from, mode, DeltaLobe::Reflection)
+    }
+
+    #[inline]
+    fn sample_delta(&self, from: Vec3A, _: TransportMode, lobe: DeltaLobe) -> Option<BsdfSample> {
+        (from.z > 0.0 && lobe == DeltaLobe::Reflection).then(|| {
             let fresnel = fresnel::conductor(from.z.min(1.0), self.eta, self.k);
             BsdfSample::delta_reflection(from, self.specular_reflectance.color() * fresnel, 1.0)
         })

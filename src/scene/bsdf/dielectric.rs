@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::fresnel::{self, Interface};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
 use crate::scene::texture::TextureAt;
 
 /// `Material::Dielectric` at a point.
@@ -26,16 +26,52 @@ impl Bsdf for DielectricBsdf<'_> {
     /// Reflection or refraction, chosen in proportion to their power.
     #[inline]
     fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, _: Vec2) -> Option<BsdfSample> {
+        let interface = self.interface(from)?;
+        if u_lobe < interface.reflectance {
+            Some(self.reflection(from, interface))
+        } else {
+            Some(self.transmission(from, mode, interface))
+        }
+    }
+
+    #[inline]
+    fn sample_delta(
+        &self,
+        from: Vec3A,
+        mode: TransportMode,
+        lobe: DeltaLobe,
+    ) -> Option<BsdfSample> {
+        let interface = self.interface(from)?;
+        let sample = match lobe {
+            DeltaLobe::Reflection => self.reflection(from, interface),
+            DeltaLobe::Transmission if interface.cos_t > 0.0 => {
+                self.transmission(from, mode, interface)
+            }
+            DeltaLobe::Transmission => return None,
+        };
+        (sample.pdf > 0.0).then_some(sample)
+    }
+}
+
+impl DielectricBsdf<'_> {
+    /// `None` at grazing incidence.
+    #[inline]
+    fn interface(&self, from: Vec3A) -> Option<Interface> {
         let cos = from.z.abs().min(1.0);
-        if cos == 0.0 {
-            return None;
-        }
+        (cos != 0.0).then(|| fresnel::dielectric(cos, eta_across(self.eta, from)))
+    }
+
+    #[inline]
+    fn reflection(&self, from: Vec3A, interface: Interface) -> BsdfSample {
+        let reflectance = interface.reflectance;
+        let weight = reflectance * self.specular_reflectance.color();
+        BsdfSample::delta_reflection(from, weight, reflectance)
+    }
+
+    #[inline]
+    fn transmission(&self, from: Vec3A, mode: TransportMode, interface: Interface) -> BsdfSample {
+        let Interface { reflectance, cos_t } = interface;
         let eta = eta_across(self.eta, from);
-        let Interface { reflectance, cos_t } = fresnel::dielectric(cos, eta);
-        if u_lobe < reflectance {
-            let weight = reflectance * self.specular_reflectance.color();
-            return Some(BsdfSample::delta_reflection(from, weight, reflectance));
-        }
         let probability = 1.0 - reflectance;
         let inv_eta = eta.recip();
         let direction = Vec3A::new(
@@ -43,15 +79,15 @@ impl Bsdf for DielectricBsdf<'_> {
             -from.y * inv_eta,
             -cos_t.copysign(from.z),
         );
-        Some(BsdfSample {
+        BsdfSample {
             direction: direction.normalize(),
             weight: self.specular_transmittance.color() * refraction_scale(mode, inv_eta),
             pdf: probability,
             // The transmittance is the same from both sides: P_reverse = P.
-            reverse_pdf: probability * inv_eta * inv_eta * cos / cos_t,
+            reverse_pdf: probability * inv_eta * inv_eta * from.z.abs().min(1.0) / cos_t,
             delta: true,
             eta,
-        })
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::conductor::ConductorBsdf;
 use super::dielectric::DielectricBsdf;
 use super::diffuse::DiffuseBsdf;
 use super::microfacet::{MicrofacetDistribution, Microfacets};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
 use super::plastic::{Plastic, PlasticBsdf};
 use super::rough_conductor::RoughConductorBsdf;
 use super::rough_dielectric::{RoughDielectricBsdf, is_index_matched};
@@ -293,6 +293,52 @@ impl Material {
                 }
             }
         )
+    }
+
+    /// The sample of a delta lobe; `None` if the material has no such lobe or its probability is 0.
+    #[inline]
+    pub fn sample_delta(
+        &self,
+        textures: &[Texture],
+        uv: Vec2,
+        from: Vec3A,
+        mode: TransportMode,
+        lobe: DeltaLobe,
+    ) -> Option<BsdfSample> {
+        let at = |texture: &u32| TextureAt {
+            texture: &textures[*texture as usize],
+            uv,
+        };
+        at_point!(
+            self,
+            at,
+            |bsdf| bsdf.sample_delta(from, mode, lobe),
+            |front, back| {
+                if from.z > 0.0 {
+                    front.sample_delta(textures, uv, from, mode, lobe)
+                } else {
+                    let sample = back.sample_delta(textures, uv, flipped(from), mode, lobe)?;
+                    Some(BsdfSample {
+                        direction: flipped(sample.direction),
+                        ..sample
+                    })
+                }
+            }
+        )
+    }
+
+    /// Index of refraction of the inside over that of the outside, if the material refracts without roughness.
+    pub fn smooth_refraction(&self) -> Option<f32> {
+        match self {
+            Material::RoughDielectric { eta, .. } if !is_index_matched(*eta) => None,
+            Material::Dielectric { eta, .. } | Material::RoughDielectric { eta, .. } => Some(*eta),
+            Material::Diffuse { .. }
+            | Material::Conductor { .. }
+            | Material::RoughConductor { .. }
+            | Material::Plastic(_)
+            | Material::RoughPlastic(_)
+            | Material::TwoSided { .. } => None,
+        }
     }
 
     /// True if some lobe is not a delta function, so that explicit connections can carry light.

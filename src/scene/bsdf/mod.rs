@@ -25,6 +25,6 @@ mod tests;
 
 pub use material::Material;
 pub use microfacet::MicrofacetDistribution;
-pub use model::{BsdfEvaluation, BsdfSample, TransportMode};
+pub use model::{BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
 pub use plastic::Plastic;
 pub use rough_plastic::RoughPlastic;

@@ -46,6 +46,15 @@ impl Flags {
     }
 }
 
+/// A delta lobe of a smooth interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DeltaLobe {
+    /// Mirror reflection.
+    Reflection,
+    /// Refraction.
+    Transmission,
+}
+
 /// A scattering model at a point.
 pub(super) trait Bsdf {
     /// The kinds of its lobes.
@@ -58,6 +67,12 @@ pub(super) trait Bsdf {
     /// Samples the direction in which a subpath that came from `from` continues; `None` where it
     /// ends. `u_lobe` chooses the lobe, `u` the direction.
     fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample>;
+
+    /// The sample of a delta lobe; `None` if the model has no such lobe or its probability is 0.
+    #[inline]
+    fn sample_delta(&self, _: Vec3A, _: TransportMode, _: DeltaLobe) -> Option<BsdfSample> {
+        None
+    }
 
     /// The sample of `direction` from a lobe with a density; `None` where that density is 0. `eta` is
     /// [`BsdfSample::eta`].

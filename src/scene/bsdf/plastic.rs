@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3A};
 
 use super::fresnel;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
 use super::substrate::Substrate;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::scene::texture::TextureAt;
@@ -65,14 +65,36 @@ impl Bsdf for PlasticBsdf<'_> {
         if from.z <= 0.0 {
             return None;
         }
-        let substrate = &self.plastic.substrate;
-        let fresnel = fresnel::dielectric(from.z.min(1.0), substrate.eta).reflectance;
-        let probability = substrate.specular_probability(fresnel);
+        let (fresnel, probability) = self.coat(from);
         if u_lobe < probability {
-            let weight = self.specular.color() * fresnel;
-            Some(BsdfSample::delta_reflection(from, weight, probability))
+            Some(self.reflection(from, fresnel, probability))
         } else {
             self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0)
         }
+    }
+
+    #[inline]
+    fn sample_delta(&self, from: Vec3A, _: TransportMode, lobe: DeltaLobe) -> Option<BsdfSample> {
+        if from.z <= 0.0 || lobe == DeltaLobe::Transmission {
+            return None;
+        }
+        let (fresnel, probability) = self.coat(from);
+        (probability > 0.0).then(|| self.reflection(from, fresnel, probability))
+    }
+}
+
+impl PlasticBsdf<'_> {
+    /// Reflectance of the coat, and the probability of its lobe.
+    #[inline]
+    fn coat(&self, from: Vec3A) -> (f32, f32) {
+        let substrate = &self.plastic.substrate;
+        let fresnel = fresnel::dielectric(from.z.min(1.0), substrate.eta).reflectance;
+        (fresnel, substrate.specular_probability(fresnel))
+    }
+
+    #[inline]
+    fn reflection(&self, from: Vec3A, fresnel: f32, probability: f32) -> BsdfSample {
+        let weight = self.specular.color() * fresnel;
+        BsdfSample::delta_reflection(from, weight, probability)
     }
 }

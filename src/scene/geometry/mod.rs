@@ -1,6 +1,7 @@
 //! The surfaces of a scene: its shapes, and what a ray finds on them.
 
 mod builder;
+mod derivative;
 mod ray_counts;
 mod shape;
 mod surface;
@@ -8,15 +9,16 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+pub use derivative::NormalDerivative;
 pub use ray_counts::RayCounts;
 
 pub(super) use builder::GeometryBuilder;
 pub(super) use surface::{ShapeSurface, SurfaceTriangle};
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 use super::{SCENE_RADIUS, SurfacePoint};
-use crate::bvh::{Bvh, HitTarget, Primitive, Ray};
+use crate::bvh::{Bvh, HitTarget, Primitive, Ray, Triangle};
 use shape::Shape;
 
 /// Shadow rays are shortened by this factor and by this length in scene units. Their two ends are
@@ -96,10 +98,51 @@ impl Geometry {
         surfaces
     }
 
+    /// How the shading normal changes around `point`.
+    #[inline]
+    pub fn normal_derivative(&self, point: &SurfacePoint) -> NormalDerivative {
+        let shape = &self.shapes[point.shape as usize];
+        match self.bvh.primitive(point.primitive) {
+            Some(Primitive::Triangle(triangle)) => {
+                shape.triangle_normal_derivative(&triangle, point.position)
+            }
+            Some(Primitive::Sphere(sphere)) => shape.sphere_normal_derivative(&sphere),
+            None => NormalDerivative::Flat,
+        }
+    }
+
+    /// The primitives of the shapes for which `wanted` is true, with their indices, and for triangles with
+    /// vertex normals these normals, unit and on the front side.
+    pub(super) fn primitives(
+        &self,
+        wanted: impl Fn(u32) -> bool,
+    ) -> impl Iterator<Item = (u32, Primitive, Option<[DVec3; 3]>)> {
+        self.bvh.primitives().filter_map(move |(index, primitive)| {
+            let normals = match &primitive {
+                Primitive::Triangle(triangle) if wanted(triangle.shape) => {
+                    self.shapes[triangle.shape as usize].vertex_normals(triangle.vertices)
+                }
+                Primitive::Sphere(sphere) if wanted(sphere.shape) => None,
+                Primitive::Triangle(_) | Primitive::Sphere(_) => return None,
+            };
+            Some((index, primitive, normals))
+        })
+    }
+
+    /// Unit normal of a triangle on its front side.
+    pub(super) fn triangle_normal(&self, triangle: &Triangle) -> Vec3A {
+        self.shapes[triangle.shape as usize].triangle_normal(triangle)
+    }
+
     /// Index of the material of a shape.
     #[inline]
     pub fn material(&self, shape: u32) -> u32 {
         self.shapes[shape as usize].material
+    }
+
+    /// True if the normals of a shape are reversed: those of a sphere point inward.
+    pub(super) fn is_flipped(&self, shape: u32) -> bool {
+        self.shapes[shape as usize].flip
     }
 
     /// The name of a shape in messages.

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Mat3A, Vec2, Vec3A};
 
+use super::derivative::{NormalDerivative, dual_basis};
 use crate::bvh::{Corners, Sphere, Triangle};
 use crate::math::Frame;
 use crate::scene::SurfacePoint;
@@ -116,6 +117,50 @@ impl Shape {
             uv,
             shape,
             primitive,
+        }
+    }
+
+    /// Vertex normals on the front side; `None` without them.
+    pub fn vertex_normals(&self, vertices: [u32; 3]) -> Option<[DVec3; 3]> {
+        let Attributes::Mesh(mesh) = &self.attributes else {
+            return None;
+        };
+        let sign = if self.flip { -1.0 } else { 1.0 };
+        let normals = mesh.normals(vertices)?;
+        Some(normals.map(|normal| sign * normal.as_dvec3()))
+    }
+
+    /// How the shading normal of a triangle changes around `position`.
+    pub fn triangle_normal_derivative(
+        &self,
+        triangle: &Triangle,
+        position: Vec3A,
+    ) -> NormalDerivative {
+        let Some([n0, n1, n2]) = self.vertex_normals(triangle.vertices) else {
+            return NormalDerivative::Flat;
+        };
+        let [p0, p1, p2] = triangle
+            .corners
+            .map(|p| DVec3::from_array(p.map(f64::from)));
+        let dual = dual_basis([p1 - p0, p2 - p0]);
+        let slopes = [n1 - n0, n2 - n0];
+        let offset = position.as_dvec3() - p0;
+        let normal = n0 + slopes[0] * dual[0].dot(offset) + slopes[1] * dual[1].dot(offset);
+        let length = normal.length();
+        if length == 0.0 || slopes == [DVec3::ZERO; 2] {
+            return NormalDerivative::Flat;
+        }
+        NormalDerivative::Triangle {
+            dual,
+            slopes: slopes.map(|slope| slope / length),
+        }
+    }
+
+    /// How the normal of a sphere changes.
+    pub fn sphere_normal_derivative(&self, sphere: &Sphere) -> NormalDerivative {
+        let curvature = f64::from(sphere.radius).recip();
+        NormalDerivative::Sphere {
+            curvature: if self.flip { -curvature } else { curvature },
         }
     }
 

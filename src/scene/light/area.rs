@@ -8,6 +8,7 @@ use super::mesh::MeshSurface;
 use super::sample::{
     EmissionSample, LightEvaluation, LightSample, MIN_DISTANCE_SQUARED, SurfaceSample,
 };
+use super::specular::{Cap, ChainEnd, on_surface};
 use super::sphere::SphereSurface;
 use crate::math::{Frame, Rgb};
 use crate::sampling::warp::{square_to_cosine_hemisphere, square_to_sphere};
@@ -188,6 +189,59 @@ impl AreaEmitter {
             jacobian_area: 1.0 / segment.distance_squared,
             delta: false,
         })
+    }
+
+    /// As [`super::Emitters::sample_chain_end`]; `bounds` is a sphere around all casters.
+    #[inline]
+    pub fn sample_chain_end(
+        &self,
+        bounds: (Vec3A, f32),
+        u_primitive: f32,
+        u_position: Vec2,
+        choice_pdf: f32,
+    ) -> ChainEnd {
+        let (position, normal, pdf) = match &self.surface {
+            Surface::Sphere(sphere) => {
+                let cap = Cap::facing(sphere, bounds);
+                let outward = cap.sample(u_position);
+                let (position, normal) = sphere.at(outward);
+                (position, normal, cap.pdf(sphere, outward))
+            }
+            Surface::Mesh(mesh) => {
+                let y0 = mesh.sample(u_primitive, u_position);
+                (y0.position, y0.normal, f64::from(y0.pdf))
+            }
+        };
+        ChainEnd {
+            end: on_surface(position, normal),
+            radiance: self.radiance,
+            pdf: f64::from(choice_pdf) * pdf,
+            delta: false,
+        }
+    }
+
+    /// As [`super::Emitters::chain_end_on`].
+    #[inline]
+    pub fn chain_end_on(
+        &self,
+        bounds: (Vec3A, f32),
+        surface: &SurfacePoint,
+        choice_pdf: f32,
+    ) -> ChainEnd {
+        let normal = surface.geometric_normal;
+        let pdf = match &self.surface {
+            Surface::Sphere(sphere) => {
+                let outward = if sphere.inward { -normal } else { normal };
+                Cap::facing(sphere, bounds).pdf(sphere, outward)
+            }
+            Surface::Mesh(mesh) => f64::from(mesh.pdf(surface.primitive)),
+        };
+        ChainEnd {
+            end: on_surface(surface.position, normal),
+            radiance: self.radiance,
+            pdf: f64::from(choice_pdf) * pdf,
+            delta: false,
+        }
     }
 
     /// As [`super::Emitters::sample_emission`].

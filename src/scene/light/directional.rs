@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3A};
 
 use super::infinite::{DISK_AREA, emission_from_infinity, light_from_infinity};
 use super::sample::{EmissionSample, LightEvaluation, LightSample};
+use super::specular::{ChainEnd, at_infinity};
 use crate::math::Rgb;
 
 /// Parallel light.
@@ -33,6 +34,17 @@ impl DirectionalEmitter {
         LightSample {
             delta: true,
             ..light_from_infinity(point, -self.direction, emission)
+        }
+    }
+
+    /// As [`super::Emitters::sample_chain_end`].
+    #[inline]
+    pub fn chain_end(&self, choice_pdf: f32) -> ChainEnd {
+        ChainEnd {
+            end: at_infinity(-self.direction),
+            radiance: self.irradiance,
+            pdf: f64::from(choice_pdf),
+            delta: true,
         }
     }
 

@@ -7,6 +7,7 @@ use super::directional::DirectionalEmitter;
 use super::environment::Environment;
 use super::point::PointEmitter;
 use super::sample::{EmissionSample, LightEvaluation, LightSample};
+use super::specular::ChainEnd;
 use crate::math::{Rgb, luminance};
 use crate::sampling::Distribution1D;
 use crate::scene::description::SceneError;
@@ -65,6 +66,9 @@ pub struct Emitters {
     /// Index of the emitter of each shape, [`NO_EMITTER`] for those that do not emit.
     of_shape: Vec<u32>,
     environment: Option<u32>,
+    /// For the ends of specular chains: the choice between emitters, and a sphere around all casters; `None`
+    /// if no chain can end on an emitter.
+    chain_ends: Option<(Distribution1D, (Vec3A, f32))>,
 }
 
 impl Emitters {
@@ -72,9 +76,12 @@ impl Emitters {
     ///
     /// # Errors
     /// If there are none, or more than one environment.
+    ///
+    /// `caster_bounds` is a sphere around all shapes that reflect or refract without roughness.
     pub(in crate::scene) fn new(
         emitters: Vec<Emitter>,
         shape_count: usize,
+        caster_bounds: Option<(Vec3A, f32)>,
     ) -> Result<Self, SceneError> {
         let mut of_shape = vec![NO_EMITTER; shape_count];
         let mut environment = None;
@@ -97,11 +104,22 @@ impl Emitters {
             // If no emitter has any power, the image is black; that is not an error.
             .or_else(|| Distribution1D::new(powers.iter().map(|_| 1.0)))
             .ok_or(SceneError::NoEmitter)?;
+        let chain_ends = caster_bounds.and_then(|bounds| {
+            let ends_chains = emitters.iter().zip(&powers).map(|(emitter, power)| {
+                if emitter.ends_chains() {
+                    power.max(min)
+                } else {
+                    0.0
+                }
+            });
+            Some((Distribution1D::new(ends_chains)?, bounds))
+        });
         Ok(Self {
             emitters,
             choice,
             of_shape,
             environment,
+            chain_ends,
         })
     }
 
@@ -208,6 +226,65 @@ impl Emitters {
         }
     }
 
+    /// True if specular chains can end on some emitter.
+    pub fn end_chains(&self) -> bool {
+        self.chain_ends.is_some()
+    }
+
+    /// True if specular chains can end on an emitter.
+    pub fn ends_chains(&self, emitter: u32) -> bool {
+        self.end_chains() && self.emitters[emitter as usize].ends_chains()
+    }
+
+    /// Samples the end of a specular chain. `None` if there is none.
+    #[inline]
+    pub fn sample_chain_end(
+        &self,
+        u_light: f32,
+        u_primitive: f32,
+        u_position: Vec2,
+    ) -> Option<ChainEnd> {
+        let (choice, bounds) = self.chain_ends.as_ref()?;
+        let (i, _) = choice.sample(u_light);
+        let p = choice.probability(i);
+        match &self.emitters[i] {
+            Emitter::Area { light, .. } => {
+                Some(light.sample_chain_end(*bounds, u_primitive, u_position, p))
+            }
+            Emitter::Point(light) => Some(light.chain_end(p)),
+            Emitter::Directional(light) => Some(light.chain_end(p)),
+            Emitter::Environment(light) => Some(light.sample_chain_end(u_position, p)),
+        }
+    }
+
+    /// A point on an area emitter as the end of a chain, with the density of sampling it; `None` if chains never
+    /// end there.
+    #[inline]
+    pub fn chain_end_on(&self, surface: &SurfacePoint) -> Option<ChainEnd> {
+        let (choice, bounds) = self.chain_ends.as_ref()?;
+        let emitter = self.of_shape(surface.shape)?;
+        let p = choice.probability(emitter as usize);
+        match &self.emitters[emitter as usize] {
+            Emitter::Area { light, .. } => Some(light.chain_end_on(*bounds, surface, p)),
+            Emitter::Point(_) | Emitter::Directional(_) | Emitter::Environment(_) => None,
+        }
+    }
+
+    /// The unit direction to the environment as the end of a chain, as [`Self::chain_end_on`].
+    #[inline]
+    pub fn chain_end_at(&self, direction: Vec3A) -> Option<ChainEnd> {
+        let (choice, _) = self.chain_ends.as_ref()?;
+        let emitter = self.environment?;
+        let p = choice.probability(emitter as usize);
+        match &self.emitters[emitter as usize] {
+            Emitter::Environment(light) if p > 0.0 => Some(light.chain_end(direction, p)),
+            Emitter::Environment(_)
+            | Emitter::Area { .. }
+            | Emitter::Point(_)
+            | Emitter::Directional(_) => None,
+        }
+    }
+
     /// Light from a point on a surface toward the point `from`, in scene units; `None` if the surface
     /// does not emit in that direction.
     #[inline]
@@ -234,6 +311,16 @@ impl Emitters {
 }
 
 impl Emitter {
+    /// True if next event estimation through specular chains samples it. Every direction of a constant
+    /// environment emits: camera subpaths hit it anyway.
+    fn ends_chains(&self) -> bool {
+        match self {
+            Self::Area { .. } | Self::Point(_) | Self::Directional(_) => true,
+            Self::Environment(Environment::Map { .. }) => true,
+            Self::Environment(Environment::Constant(_)) => false,
+        }
+    }
+
     /// Flux into the scene, with square scene units as the unit of area.
     fn power(&self) -> Rgb {
         match self {

@@ -7,6 +7,7 @@ use glam::{Mat3A, Vec2, Vec3A};
 use super::environment_map::EnvironmentMap;
 use super::infinite::{DISK_AREA, emission_from_infinity, light_from_infinity};
 use super::sample::{EmissionSample, LightEvaluation, LightSample};
+use super::specular::{ChainEnd, at_infinity};
 use crate::math::Rgb;
 use crate::sampling::warp::square_to_sphere;
 
@@ -75,6 +76,24 @@ impl Environment {
         let direction = self.sample(u_position);
         let emission = self.evaluate(direction, choice_pdf);
         (emission.pdf_direct > 0.0).then(|| light_from_infinity(point, direction, emission))
+    }
+
+    /// As [`super::Emitters::sample_chain_end`].
+    #[inline]
+    pub fn sample_chain_end(&self, u: Vec2, choice_pdf: f32) -> ChainEnd {
+        self.chain_end(self.sample(u), choice_pdf)
+    }
+
+    /// As [`super::Emitters::chain_end_at`].
+    #[inline]
+    pub fn chain_end(&self, direction: Vec3A, choice_pdf: f32) -> ChainEnd {
+        let (radiance, pdf) = self.radiance(direction);
+        ChainEnd {
+            end: at_infinity(direction),
+            radiance,
+            pdf: f64::from(choice_pdf * pdf),
+            delta: false,
+        }
     }
 
     /// As [`super::Emitters::sample_emission`].

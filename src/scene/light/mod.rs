@@ -15,6 +15,7 @@ mod infinite;
 mod mesh;
 mod point;
 mod sample;
+mod specular;
 mod sphere;
 
 #[cfg(test)]
@@ -22,6 +23,7 @@ mod tests;
 
 pub use emitters::{EmitterKind, Emitters};
 pub use sample::{EmissionSample, LightEvaluation, LightSample};
+pub use specular::ChainEnd;
 
 pub(super) use area::AreaEmitter;
 pub(super) use directional::DirectionalEmitter;

@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 use super::sample::{EmissionSample, LightEvaluation, LightSample, MIN_DISTANCE_SQUARED};
+use super::specular::{self, ChainEnd};
 use crate::math::Rgb;
 use crate::sampling::warp::square_to_sphere;
 
@@ -41,6 +42,17 @@ impl PointEmitter {
             jacobian_area: 1.0 / distance_squared,
             delta: true,
         })
+    }
+
+    /// As [`super::Emitters::sample_chain_end`].
+    #[inline]
+    pub fn chain_end(&self, choice_pdf: f32) -> ChainEnd {
+        ChainEnd {
+            end: specular::point(self.position),
+            radiance: self.intensity,
+            pdf: f64::from(choice_pdf),
+            delta: true,
+        }
     }
 
     /// As [`super::Emitters::sample_emission`].
