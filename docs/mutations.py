@@ -53,11 +53,11 @@ def measure(program, scene, seconds, repeats, output):
             [common[0], command, path, *common[1:], *map(str, words)], check=True, stderr=subprocess.DEVNULL
         )
 
-    run("render", "--integrator", "mmlt", "--time", 8 * seconds, "--seed", 1000, "-o", reference)
+    run("render", "--specular", "off", "--integrator", "mmlt", "--time", 8 * seconds, "--seed", 1000, "-o", reference)
     for name, values in SWEEPS.items():
         sweep = f"{name}={','.join(values)}"
         run(
-            *("converge", "--integrators", "mmlt", "--sweep", sweep, "--time", seconds, "--repeats", repeats),
+            *("converge", "--specular", "off", "--integrators", "mmlt", "--sweep", sweep, "--time", seconds, "--repeats", repeats),
             *("--reference", reference, "-o", folder / name),
         )
     print(scene, "done", flush=True)

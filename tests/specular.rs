@@ -126,6 +126,11 @@ fn settings(integrator: impl Into<Integrator>, spp: u64) -> Settings {
     }
 }
 
+fn with_chains_everywhere(mut scene: Scene) -> Scene {
+    scene.casters.set_everywhere(true);
+    scene
+}
+
 /// Null hypothesis, for tiles of 4 x 4 pixels: the mean is the same with and without technique 1*. 16 seeds.
 #[test]
 fn no_mean_changes() {
@@ -134,17 +139,34 @@ fn no_mean_changes() {
     for (name, make) in scenes {
         let light = Light::Sphere(0.5);
         let with = make(light, 6).build();
+        let everywhere = with_chains_everywhere(make(light, 6).build());
         let without = without_chains(make(light, 6).build());
         let expected = tile_moments(&without, &settings(Method::Bdpt, 1500), 0..16, 4);
-        for (method, spp) in [
-            (Method::Bdpt, 200),
-            (Method::Path, 300),
-            (Method::Mmlt, 100),
+        for (scene, method, spp) in [
+            (&with, Method::Bdpt, 200),
+            (&with, Method::Path, 300),
+            (&with, Method::Mmlt, 100),
+            (&everywhere, Method::Bdpt, 100),
+            (&everywhere, Method::Mmlt, 60),
         ] {
-            let found = tile_moments(&with, &settings(method, spp), 100..116, 4);
+            let found = tile_moments(scene, &settings(method, spp), 100..116, 4);
             let name = format!("{name}, {}", method.name());
             assert_same_image(&name, [&found, &expected], 0.0, 1e-3);
         }
+    }
+}
+
+/// Under a point light, chains everywhere and chains where nothing else connects give the same mean: the weights
+/// of all techniques sum to 1 where light subpaths go through the water too.
+#[test]
+fn chains_everywhere_change_no_mean_under_a_point_light() {
+    for make in [pool, room] {
+        let light = Light::Point;
+        let some = make(light, 6).build();
+        let all = with_chains_everywhere(make(light, 6).build());
+        let [some, all] = [(some, 600), (all, 150)]
+            .map(|(scene, spp)| tile_moments(&scene, &settings(Method::Bdpt, spp), 0..16, 4));
+        assert_same_image("point light", [&some, &all], 0.0, 1e-3);
     }
 }
 

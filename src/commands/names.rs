@@ -43,10 +43,22 @@ impl std::fmt::Display for IntegratorName {
 /// Whether light is sought through chains of smooth glass and mirrors.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum SpecularName {
-    /// Connect vertices to lights through smooth glass and mirrors
+    /// Connect vertices to lights through smooth glass and mirrors, where no other connection exists
     On,
+    /// Everywhere: slower, and better where much light goes through glass twice (pool), not in rooms with some glass
+    Everywhere,
     /// Leave such light to paths that hit an emitter by chance
     Off,
+}
+
+impl std::fmt::Display for SpecularName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::On => "on",
+            Self::Everywhere => "everywhere",
+            Self::Off => "off",
+        })
+    }
 }
 
 /// How mmlt renders direct light.

@@ -38,8 +38,7 @@ pub struct SceneArgs {
     )]
     pub max_depth: Option<values::MaxDepth>,
 
-    /// Specular next event estimation: connect vertices to lights through smooth glass and mirrors, where no
-    /// other connection exists
+    /// Specular next event estimation: where vertices are connected to lights through smooth glass and mirrors
     #[arg(long, value_name = "MODE", default_value = "on")]
     pub specular: SpecularName,
 }
@@ -89,8 +88,10 @@ impl SceneArgs {
         let mut scene = description
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
-        if self.specular == SpecularName::Off {
-            scene.casters = Casters::none();
+        match self.specular {
+            SpecularName::On => {}
+            SpecularName::Everywhere => scene.casters.set_everywhere(true),
+            SpecularName::Off => scene.casters = Casters::none(),
         }
         let build_seconds = start.elapsed().as_secs_f64();
         warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
@@ -117,8 +118,8 @@ impl SceneArgs {
                 None => "--max-depth -1".into(),
             });
         }
-        if self.specular == SpecularName::Off {
-            words.push("--specular off".into());
+        if self.specular != SpecularName::On {
+            words.push(format!("--specular {}", self.specular));
         }
         words.join(" ")
     }

@@ -8,7 +8,6 @@ use metrolight::render::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::names::SpecularName;
 use super::numbers::{duration, quantity};
 use super::output::{Outputs, budget_json};
 use super::source::{Opened, SceneArgs};
@@ -19,7 +18,7 @@ struct Report<'a> {
     scene: &'a Path,
     defines: std::collections::BTreeMap<&'a str, &'a str>,
     max_depth: Option<u32>,
-    specular: bool,
+    specular: String,
     budget: Value,
     load_seconds: f64,
     build_seconds: f64,
@@ -48,7 +47,7 @@ pub fn json(
             .map(|(name, value)| (&**name, &**value))
             .collect(),
         max_depth: opened.scene.depth.max_depth,
-        specular: args.specular == SpecularName::On,
+        specular: args.specular.to_string(),
         budget: budget_json(settings.budget),
         load_seconds: opened.load_seconds,
         build_seconds: opened.build_seconds,

@@ -51,7 +51,7 @@ pub(super) fn camera_paths<S: Sampler>(
             visit(PathContribution::new(technique, film, connection));
         }
         if i + 1 < edges && has_specular(scene, z, set) {
-            specular_next_event(scene, z, i, sampler, candidates, rays, |found| {
+            specular_next_event(scene, z, i, set, sampler, candidates, rays, |found| {
                 let (t, n) = (i + 1, found.length);
                 if t + n <= edges {
                     let technique = Technique::Specular { t, n };

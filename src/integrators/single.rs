@@ -59,7 +59,7 @@ fn specular<S: Sampler>(
     let vertex = camera.vertices.get(t - 2);
     let set = TechniqueSet::Bidirectional;
     if let Some(z) = vertex.filter(|z| has_specular(scene, z, set)) {
-        specular_next_event(scene, z, t - 1, sampler, candidates, rays, |found| {
+        specular_next_event(scene, z, t - 1, set, sampler, candidates, rays, |found| {
             if found.length == n {
                 visit(film, found.connection);
             }

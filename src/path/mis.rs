@@ -23,6 +23,13 @@
 //! everything in C_i is known when x_i is sampled, and the other terms of (3) are known when x_i is
 //! connected.
 //!
+//! Technique 1* samples y_0 with density p_d and x_i = D from the other side, and finds the delta vertices
+//! between them. If this subpath comes from a light and D is its first vertex after a chain of delta vertices,
+//! let F be the density with which it samples y_0 and D. Then 1* has the term h(p_d b_i / F), so that v_i is to
+//! be replaced in (1) to (3) by
+//!
+//!   v_i + v*_i,   v*_i = h(p_d f_i / F).                                                      (4)
+//!
 //! Technique s = 1 samples y_0 given the point that it illuminates, with density p_direct instead of the
 //! density p_pos of a light subpath. Then f_0 = p_direct, and f_1 has the factor p_pos / p_direct.
 //!
@@ -52,6 +59,8 @@ pub struct PartialMis {
     pub partial: f64,
     /// v_i of (1), if x_i itself does not scatter by a delta lobe: true if x_{i-1} does not.
     pub connectible: bool,
+    /// v*_i of (4), if x_i itself does not scatter by a delta lobe.
+    pub specular: f64,
 }
 
 impl PartialMis {
@@ -63,6 +72,7 @@ impl PartialMis {
             forward,
             partial: 0.0,
             connectible: true,
+            specular: 0.0,
         }
     }
 
@@ -88,6 +98,7 @@ impl PartialMis {
             forward: forward * (pdf_position / pdf_direct),
             partial: hit,
             connectible: true,
+            specular: 0.0,
         }
     }
 
@@ -96,12 +107,20 @@ impl PartialMis {
     /// equation (2).
     #[inline]
     pub fn extend(&self, reverse: f64, delta: bool, jacobian: f64, forward: f64) -> Self {
-        let connect = if self.connectible && !delta { 1.0 } else { 0.0 };
+        let connect = if delta { 0.0 } else { self.connections() };
         Self {
             forward,
             partial: h(jacobian / self.forward) * (connect + h(reverse) * self.partial),
             connectible: !delta,
+            specular: 0.0,
         }
+    }
+
+    /// v_i + v*_i of (4).
+    #[inline]
+    fn connections(&self) -> f64 {
+        let connect = if self.connectible { 1.0 } else { 0.0 };
+        connect + self.specular
     }
 
     /// True if the path so far, with a chain of delta vertices after x_i, can be sampled by a technique that
@@ -114,8 +133,7 @@ impl PartialMis {
     /// S_i of (3): `other` is b_i, the density at x_i of the other subpath, and `reverse` is r_i.
     #[inline]
     pub fn sum(&self, other: f64, reverse: f64) -> f64 {
-        let connect = if self.connectible { 1.0 } else { 0.0 };
-        h(other / self.forward) * (connect + h(reverse) * self.partial)
+        h(other / self.forward) * (self.connections() + h(reverse) * self.partial)
     }
 
     /// S_i where x_i lies on a light that a camera subpath has hit (technique s = 0). The other

@@ -26,6 +26,7 @@
 pub mod dimensions;
 pub mod environment;
 pub mod mis;
+pub mod specular;
 pub mod subpath;
 pub mod vertex;
 

@@ -5,10 +5,12 @@ use glam::{Vec2, Vec3A};
 use super::dimensions;
 use super::environment::EnvironmentVertex;
 use super::mis::PartialMis;
+use super::specular::specular_over_subpath;
 use super::vertex::Vertex;
 use crate::math::Rgb;
 use crate::sampling::Sampler;
-use crate::scene::{EmissionSample, Ray, RayCounts, Scene, TransportMode};
+use crate::scene::specular::Candidate;
+use crate::scene::{ChainEnd, EmissionSample, Ray, RayCounts, Scene, TransportMode};
 
 /// Upper bound on the survival probability at the i-th vertex once Russian roulette is active. With it
 /// every subpath ends, even if no light is absorbed.
@@ -35,6 +37,8 @@ pub struct Subpath {
     pub vertices: Vec<Vertex>,
     /// Set if a camera subpath left the scene after the last vertex.
     pub environment: Option<EnvironmentVertex>,
+    /// Memory for specular chains.
+    candidates: Vec<Candidate>,
 }
 
 impl Default for Subpath {
@@ -43,6 +47,7 @@ impl Default for Subpath {
             start: Vec3A::ZERO,
             vertices: Vec::with_capacity(CAPACITY),
             environment: None,
+            candidates: Vec::with_capacity(CAPACITY),
         }
     }
 }
@@ -118,6 +123,7 @@ pub fn trace_camera_subpath<S: Sampler>(
     let mut walk = Walk {
         scene,
         mode: TransportMode::Radiance,
+        chain_end: None,
         counts,
         subpath,
     };
@@ -155,9 +161,15 @@ pub fn trace_light_subpath<S: Sampler>(
         pdf: f64::from(sample.pdf_direction),
         kind: StepKind::Light { sample },
     };
+    let chain_end = if scene.has_chains() && scene.casters.everywhere() {
+        scene.emitters.chain_end_of(&sample)
+    } else {
+        None
+    };
     let mut walk = Walk {
         scene,
         mode: TransportMode::Importance,
+        chain_end,
         counts,
         subpath,
     };
@@ -168,6 +180,9 @@ pub fn trace_light_subpath<S: Sampler>(
 struct Walk<'a> {
     scene: &'a Scene,
     mode: TransportMode,
+    /// The start of a light subpath, while all its vertices are delta vertices and technique 1* may end a chain
+    /// there.
+    chain_end: Option<ChainEnd>,
     counts: &'a mut RayCounts,
     subpath: &'a mut Subpath,
 }
@@ -212,7 +227,29 @@ impl Walk<'_> {
             mis: PartialMis::default(),
         };
         vertex.mis = self.partial_mis(step, &vertex)?;
+        self.weigh_chain(&mut vertex);
         Some(vertex)
+    }
+
+    /// Sets the term of technique 1* at `vertex`, if it is the first of a light subpath after a chain of delta
+    /// vertices.
+    #[inline]
+    fn weigh_chain(&mut self, vertex: &mut Vertex) {
+        let (Some(end), false) = (&self.chain_end, self.subpath.vertices.is_empty()) else {
+            return;
+        };
+        if vertex.mis.connectible {
+            // The vertex before scattered by a lobe with a density.
+            self.chain_end = None;
+        } else if vertex.is_connectible(self.scene) {
+            let Subpath {
+                vertices,
+                candidates,
+                ..
+            } = &mut *self.subpath;
+            vertex.mis.specular =
+                specular_over_subpath(self.scene, vertex, vertices, end, candidates, self.counts);
+        }
     }
 
     /// The partial MIS sums at `vertex`, the end of `step`.

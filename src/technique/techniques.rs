@@ -3,15 +3,14 @@
 use super::Technique;
 use crate::scene::Scene;
 
-/// Camera subpath vertices of technique 1* at least: lens, delta vertex, D. With fewer, a light subpath can be
-/// connected to the lens.
-const MIN_T: usize = 3;
-
 /// The techniques that bidirectional path tracing has in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Techniques {
     /// Maximum number of delta vertices of technique 1*.
     max_chain: usize,
+    /// Minimum number of camera vertices of technique 1*: lens and D, or a delta vertex between them if light
+    /// subpaths could be connected to the lens.
+    min_t: usize,
 }
 
 impl Techniques {
@@ -22,12 +21,16 @@ impl Techniques {
         } else {
             0
         };
-        Self { max_chain }
+        let min_t = if scene.casters.everywhere() { 2 } else { 3 };
+        Self { max_chain, min_t }
     }
 
     /// All (s, t), and not 1*.
     pub fn without_chains() -> Self {
-        Self { max_chain: 0 }
+        Self {
+            max_chain: 0,
+            min_t: 2,
+        }
     }
 
     /// Number of techniques for paths of `edges` >= 1 edges. Paths of one edge (directly visible lights) have
@@ -37,7 +40,7 @@ impl Techniques {
         if edges == 1 {
             return 1;
         }
-        edges + 1 + edges.saturating_sub(MIN_T).min(self.max_chain)
+        edges + 1 + edges.saturating_sub(self.min_t).min(self.max_chain)
     }
 
     /// Technique `i` < [`Self::count`] for paths of `edges` edges: those of Veach in the order of s, then 1* in
@@ -84,7 +87,10 @@ mod tests {
     #[test]
     fn techniques_are_enumerated_by_length() {
         for (max_chain, count) in [(0, 34), (1, 38), (3, 43)] {
-            let techniques = Techniques { max_chain };
+            let techniques = Techniques {
+                max_chain,
+                min_t: 3,
+            };
             let all: Vec<Technique> = techniques.all(7).collect();
             assert_eq!(all.len(), count);
             for (i, &technique) in all.iter().enumerate() {
@@ -99,7 +105,10 @@ mod tests {
             let names: Vec<String> = all[..4].iter().map(ToString::to_string).collect();
             assert_eq!(names, ["(0,2)", "(0,3)", "(1,2)", "(2,1)"]);
         }
-        let chains = Techniques { max_chain: 2 };
+        let chains = Techniques {
+            max_chain: 2,
+            min_t: 3,
+        };
         let last: Vec<String> = chains.all(5).skip(18).map(|t| t.to_string()).collect();
         assert_eq!(last, ["(4,2)", "(5,1)", "(1*,4)", "(1**,3)"]);
     }

@@ -191,55 +191,72 @@ impl AreaEmitter {
         })
     }
 
-    /// As [`super::Emitters::sample_chain_end`]; `bounds` is a sphere around all casters.
+    /// As [`super::Emitters::sample_chain_end`]; `bounds` is a sphere around all casters, and `pdfs` are the
+    /// probabilities of this emitter for chains and for light subpaths.
     #[inline]
     pub fn sample_chain_end(
         &self,
         bounds: (Vec3A, f32),
         u_primitive: f32,
         u_position: Vec2,
-        choice_pdf: f32,
+        pdfs: [f32; 2],
     ) -> ChainEnd {
-        let (position, normal, pdf) = match &self.surface {
+        match &self.surface {
             Surface::Sphere(sphere) => {
                 let cap = Cap::facing(sphere, bounds);
                 let outward = cap.sample(u_position);
                 let (position, normal) = sphere.at(outward);
-                (position, normal, cap.pdf(sphere, outward))
+                let densities = [cap.pdf(sphere, outward), f64::from(self.uniform_pdf())];
+                self.chain_end(position, normal, densities, pdfs)
             }
             Surface::Mesh(mesh) => {
                 let y0 = mesh.sample(u_primitive, u_position);
-                (y0.position, y0.normal, f64::from(y0.pdf))
+                let densities = [f64::from(y0.pdf); 2];
+                self.chain_end(y0.position, y0.normal, densities, pdfs)
             }
-        };
-        ChainEnd {
-            end: on_surface(position, normal),
-            radiance: self.radiance,
-            pdf: f64::from(choice_pdf) * pdf,
-            delta: false,
         }
     }
 
-    /// As [`super::Emitters::chain_end_on`].
+    /// As [`super::Emitters::chain_end_on`], for a point with the normal `normal` on its front side; `pdf` is the
+    /// density of light subpaths there without the choice of the emitter.
     #[inline]
     pub fn chain_end_on(
         &self,
         bounds: (Vec3A, f32),
-        surface: &SurfacePoint,
-        choice_pdf: f32,
+        position: Vec3A,
+        normal: Vec3A,
+        pdf: f32,
+        pdfs: [f32; 2],
     ) -> ChainEnd {
-        let normal = surface.geometric_normal;
-        let pdf = match &self.surface {
+        let pdf = f64::from(pdf);
+        let own = match &self.surface {
             Surface::Sphere(sphere) => {
                 let outward = if sphere.inward { -normal } else { normal };
                 Cap::facing(sphere, bounds).pdf(sphere, outward)
             }
-            Surface::Mesh(mesh) => f64::from(mesh.pdf(surface.primitive)),
+            Surface::Mesh(_) => pdf,
         };
+        self.chain_end(position, normal, [own, pdf], pdfs)
+    }
+
+    /// Density of light subpaths on a primitive, without the choice of the emitter.
+    #[inline]
+    pub fn primitive_pdf(&self, primitive: u32) -> f32 {
+        self.surface_pdf(primitive)
+    }
+
+    fn chain_end(
+        &self,
+        position: Vec3A,
+        normal: Vec3A,
+        [own, of_subpaths]: [f64; 2],
+        pdfs: [f32; 2],
+    ) -> ChainEnd {
         ChainEnd {
-            end: on_surface(surface.position, normal),
+            end: on_surface(position, normal),
             radiance: self.radiance,
-            pdf: f64::from(choice_pdf) * pdf,
+            pdf: f64::from(pdfs[0]) * own,
+            pdf_position: f64::from(pdfs[1]) * of_subpaths,
             delta: false,
         }
     }

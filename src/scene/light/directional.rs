@@ -39,11 +39,12 @@ impl DirectionalEmitter {
 
     /// As [`super::Emitters::sample_chain_end`].
     #[inline]
-    pub fn chain_end(&self, choice_pdf: f32) -> ChainEnd {
+    pub fn chain_end(&self, [chains, subpaths]: [f32; 2]) -> ChainEnd {
         ChainEnd {
             end: at_infinity(-self.direction),
             radiance: self.irradiance,
-            pdf: f64::from(choice_pdf),
+            pdf: f64::from(chains),
+            pdf_position: f64::from(subpaths),
             delta: true,
         }
     }

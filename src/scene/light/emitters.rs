@@ -246,26 +246,29 @@ impl Emitters {
     ) -> Option<ChainEnd> {
         let (choice, bounds) = self.chain_ends.as_ref()?;
         let (i, _) = choice.sample(u_light);
-        let p = choice.probability(i);
-        match &self.emitters[i] {
+        let pdfs = [choice.probability(i), self.choice.probability(i)];
+        Some(match &self.emitters[i] {
             Emitter::Area { light, .. } => {
-                Some(light.sample_chain_end(*bounds, u_primitive, u_position, p))
+                light.sample_chain_end(*bounds, u_primitive, u_position, pdfs)
             }
-            Emitter::Point(light) => Some(light.chain_end(p)),
-            Emitter::Directional(light) => Some(light.chain_end(p)),
-            Emitter::Environment(light) => Some(light.sample_chain_end(u_position, p)),
-        }
+            Emitter::Point(light) => light.chain_end(pdfs),
+            Emitter::Directional(light) => light.chain_end(pdfs),
+            Emitter::Environment(light) => light.sample_chain_end(u_position, pdfs),
+        })
     }
 
     /// A point on an area emitter as the end of a chain, with the density of sampling it; `None` if chains never
     /// end there.
     #[inline]
     pub fn chain_end_on(&self, surface: &SurfacePoint) -> Option<ChainEnd> {
-        let (choice, bounds) = self.chain_ends.as_ref()?;
         let emitter = self.of_shape(surface.shape)?;
-        let p = choice.probability(emitter as usize);
+        let (pdfs, bounds) = self.chain_end_pdfs(emitter)?;
         match &self.emitters[emitter as usize] {
-            Emitter::Area { light, .. } => Some(light.chain_end_on(*bounds, surface, p)),
+            Emitter::Area { light, .. } => {
+                let pdf = light.primitive_pdf(surface.primitive);
+                let (position, normal) = (surface.position, surface.geometric_normal);
+                Some(light.chain_end_on(bounds, position, normal, pdf, pdfs))
+            }
             Emitter::Point(_) | Emitter::Directional(_) | Emitter::Environment(_) => None,
         }
     }
@@ -273,16 +276,36 @@ impl Emitters {
     /// The unit direction to the environment as the end of a chain, as [`Self::chain_end_on`].
     #[inline]
     pub fn chain_end_at(&self, direction: Vec3A) -> Option<ChainEnd> {
-        let (choice, _) = self.chain_ends.as_ref()?;
         let emitter = self.environment?;
-        let p = choice.probability(emitter as usize);
+        let (pdfs, _) = self.chain_end_pdfs(emitter)?;
         match &self.emitters[emitter as usize] {
-            Emitter::Environment(light) if p > 0.0 => Some(light.chain_end(direction, p)),
-            Emitter::Environment(_)
-            | Emitter::Area { .. }
-            | Emitter::Point(_)
-            | Emitter::Directional(_) => None,
+            Emitter::Environment(light) => Some(light.chain_end(direction, pdfs)),
+            Emitter::Area { .. } | Emitter::Point(_) | Emitter::Directional(_) => None,
         }
+    }
+
+    /// The start of a light subpath as the end of a chain, as [`Self::chain_end_on`].
+    #[inline]
+    pub fn chain_end_of(&self, sample: &EmissionSample) -> Option<ChainEnd> {
+        let (pdfs, bounds) = self.chain_end_pdfs(sample.emitter)?;
+        Some(match &self.emitters[sample.emitter as usize] {
+            Emitter::Area { light, .. } => {
+                let pdf = sample.pdf_position / pdfs[1];
+                light.chain_end_on(bounds, sample.position, sample.normal, pdf, pdfs)
+            }
+            Emitter::Point(light) => light.chain_end(pdfs),
+            Emitter::Directional(light) => light.chain_end(pdfs),
+            Emitter::Environment(light) => light.chain_end(-sample.direction, pdfs),
+        })
+    }
+
+    /// The probabilities of an emitter for chains and for light subpaths, and a sphere around all casters; `None`
+    /// if chains never end on it.
+    #[inline]
+    fn chain_end_pdfs(&self, emitter: u32) -> Option<([f32; 2], (Vec3A, f32))> {
+        let (choice, bounds) = self.chain_ends.as_ref()?;
+        let p = choice.probability(emitter as usize);
+        (p > 0.0).then(|| ([p, self.probability(emitter)], *bounds))
     }
 
     /// Light from a point on a surface toward the point `from`, in scene units; `None` if the surface

@@ -80,18 +80,19 @@ impl Environment {
 
     /// As [`super::Emitters::sample_chain_end`].
     #[inline]
-    pub fn sample_chain_end(&self, u: Vec2, choice_pdf: f32) -> ChainEnd {
-        self.chain_end(self.sample(u), choice_pdf)
+    pub fn sample_chain_end(&self, u: Vec2, pdfs: [f32; 2]) -> ChainEnd {
+        self.chain_end(self.sample(u), pdfs)
     }
 
     /// As [`super::Emitters::chain_end_at`].
     #[inline]
-    pub fn chain_end(&self, direction: Vec3A, choice_pdf: f32) -> ChainEnd {
+    pub fn chain_end(&self, direction: Vec3A, [chains, subpaths]: [f32; 2]) -> ChainEnd {
         let (radiance, pdf) = self.radiance(direction);
         ChainEnd {
             end: at_infinity(direction),
             radiance,
-            pdf: f64::from(choice_pdf * pdf),
+            pdf: f64::from(chains * pdf),
+            pdf_position: f64::from(subpaths * pdf),
             delta: false,
         }
     }

@@ -46,11 +46,12 @@ impl PointEmitter {
 
     /// As [`super::Emitters::sample_chain_end`].
     #[inline]
-    pub fn chain_end(&self, choice_pdf: f32) -> ChainEnd {
+    pub fn chain_end(&self, [chains, subpaths]: [f32; 2]) -> ChainEnd {
         ChainEnd {
             end: specular::point(self.position),
             radiance: self.intensity,
-            pdf: f64::from(choice_pdf),
+            pdf: f64::from(chains),
+            pdf_position: f64::from(subpaths),
             delta: true,
         }
     }

@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3A};
 
+use super::infinite::DISK_AREA;
 use super::sphere::SphereSurface;
 use crate::math::{Frame, Rgb};
 use crate::scene::interaction::offset;
@@ -20,6 +21,8 @@ pub struct ChainEnd {
     pub radiance: Rgb,
     /// Density per unit area (per steradian at infinity; a probability for point and directional lights).
     pub pdf: f64,
+    /// Density with which light subpaths sample the end, likewise.
+    pub pdf_position: f64,
     /// A point or directional light, which no subpath hits.
     pub delta: bool,
 }
@@ -35,6 +38,21 @@ impl ChainEnd {
             } if normal.as_vec3a().dot(direction) >= 0.0 => Rgb::ZERO,
             Endpoint::Point { .. } | Endpoint::Direction(_) => self.radiance,
         }
+    }
+
+    /// Density with which a light subpath samples the direction against the unit vector `direction`, in which a
+    /// chain arrives: per steradian (per unit area across the ray at infinity).
+    #[inline]
+    pub fn pdf_direction(&self, direction: Vec3A) -> f64 {
+        let pdf = match self.end {
+            Endpoint::Point {
+                normal: Some(normal),
+                ..
+            } => -normal.as_vec3a().dot(direction).min(0.0) * FRAC_1_PI,
+            Endpoint::Point { .. } => 0.25 * FRAC_1_PI,
+            Endpoint::Direction(_) => DISK_AREA.recip(),
+        };
+        f64::from(pdf)
     }
 
     /// The point up to which a chain that leaves `from` in the unit direction `direction` must be free.

@@ -1,11 +1,13 @@
 //! Chains of delta vertices between two points: what finders propose, and what a ray finds when it follows
 //! the proposal.
 
+use arrayvec::ArrayVec;
 use glam::{DVec3, Vec3A};
 
 use super::differential::RayDifferential;
 use crate::math::Rgb;
 use crate::scene::bsdf::{DeltaLobe, TransportMode};
+use crate::scene::geometry::NormalDerivative;
 use crate::scene::{Ray, RayCounts, Scene, SurfacePoint};
 
 /// Maximum number of delta vertices of a chain.
@@ -62,6 +64,12 @@ impl Lobes {
         }
     }
 
+    /// The lobes `lobe(0)`, `lobe(1)`, ... of `len` vertices; at most [`MAX_LENGTH`].
+    pub fn collect(len: usize, lobe: impl Fn(usize) -> DeltaLobe) -> Self {
+        let lobes: ArrayVec<DeltaLobe, MAX_LENGTH> = (0..len).map(lobe).collect();
+        Self::new(&lobes)
+    }
+
     /// All of them.
     #[inline]
     pub fn as_slice(&self) -> &[DeltaLobe] {
@@ -100,6 +108,9 @@ pub struct Chain {
     /// T: solid angle at D per area at y (per steradian at infinity; for a point light, per area
     /// perpendicular to the ray).
     pub jacobian: f64,
+    /// The same from the other side: solid angle at y per area at D (for an emitter at infinity, area
+    /// perpendicular to the ray per area at D).
+    pub reverse_jacobian: f64,
 }
 
 impl Candidate {
@@ -116,9 +127,10 @@ impl Candidate {
         let mut direction = first_direction;
         let mut from = start.position;
         let mut origin = start.ray_origin(direction);
-        let mut differential = RayDifferential::at_start(self.direction);
         let (mut throughput, mut probability) = (Rgb::ONE, 1.0);
-        let mut ends: Option<[SurfacePoint; 2]> = None;
+        let mut interfaces: ArrayVec<Interface, MAX_LENGTH> = ArrayVec::new();
+        let mut first = None;
+        let mut last = *start;
         for &lobe in self.lobes.as_slice() {
             let ray = Ray {
                 origin,
@@ -133,46 +145,116 @@ impl Candidate {
             let local = point.shading.to_local(-direction);
             let mode = TransportMode::Radiance;
             let sample = material.sample_delta(&scene.textures, point.uv, local, mode, lobe)?;
-            let along = direction.as_dvec3();
-            let distance = f64::from((point.position - from).length());
-            differential.transfer(along, distance, point.geometric_normal.as_dvec3());
-            let normal = point.shading.n.as_dvec3().normalize();
-            let derivative = scene.geometry.normal_derivative(&point);
-            match lobe {
-                DeltaLobe::Reflection => differential.reflect(along, normal, &derivative),
-                DeltaLobe::Transmission => {
-                    let mu = f64::from(sample.eta).recip();
-                    differential.refract(along, normal, &derivative, mu);
-                }
-            }
+            let next = point.shading.to_world(sample.direction);
+            interfaces.push(Interface {
+                distance: f64::from((point.position - from).length()),
+                geometric_normal: point.geometric_normal.as_dvec3(),
+                normal: point.shading.n.as_dvec3().normalize(),
+                derivative: scene.geometry.normal_derivative(&point),
+                lobe,
+                eta: f64::from(sample.eta),
+                arriving: direction.as_dvec3(),
+                leaving: next.as_dvec3(),
+            });
             throughput *= sample.weight * sample.pdf;
             probability *= f64::from(sample.pdf);
-            direction = point.shading.to_world(sample.direction);
+            direction = next;
             from = point.position;
             origin = point.ray_origin(direction);
-            ends = Some([ends.map_or(point, |[first, _]| first), point]);
+            first = first.or(Some(point));
+            last = point;
         }
-        let [first, last] = ends?;
         let (exact, distance) = end.from(last.position.as_dvec3());
         if (exact.as_vec3a() - direction).length() > MISS_TOLERANCE {
             return None;
         }
-        let jacobian = match end {
-            Endpoint::Point { normal, .. } => {
-                differential.transfer(exact, distance, normal.unwrap_or(exact));
-                differential.area().recip()
-            }
-            Endpoint::Direction(_) => differential.solid_angle().recip(),
-        };
-        (jacobian.is_finite() && throughput != Rgb::ZERO).then_some(Chain {
+        let jacobian = jacobian(self.direction, &interfaces, end, exact, distance);
+        let is_usable = jacobian.is_finite() && throughput != Rgb::ZERO;
+        let normal = start.geometric_normal.as_dvec3();
+        Some(Chain {
             direction: first_direction,
-            first,
+            first: first.filter(|_| is_usable)?,
             last,
             to_end: exact.as_vec3a(),
-            length: self.lobes.as_slice().len(),
+            length: interfaces.len(),
             throughput,
             probability,
             jacobian,
+            reverse_jacobian: reverse_jacobian(normal, &interfaces, end, exact, distance),
         })
     }
+}
+
+/// A delta vertex, as far as ray differentials depend on it.
+struct Interface {
+    /// From the vertex before it.
+    distance: f64,
+    geometric_normal: DVec3,
+    /// Unit shading normal.
+    normal: DVec3,
+    derivative: NormalDerivative,
+    lobe: DeltaLobe,
+    /// Index of refraction of the side that is left over that of the side of arrival.
+    eta: f64,
+    /// Unit directions from the start to the end of the chain.
+    arriving: DVec3,
+    leaving: DVec3,
+}
+
+impl Interface {
+    /// The differential of a ray that arrives along `direction`; `mu` is as for [`RayDifferential::refract`].
+    fn scatter(&self, differential: &mut RayDifferential, direction: DVec3, mu: f64) {
+        let (normal, derivative) = (self.normal, &self.derivative);
+        match self.lobe {
+            DeltaLobe::Reflection => differential.reflect(direction, normal, derivative),
+            DeltaLobe::Transmission => differential.refract(direction, normal, derivative, mu),
+        }
+    }
+}
+
+/// T of a chain that leaves its start along `direction`, and its last vertex along `exact` over `distance`.
+fn jacobian(
+    direction: DVec3,
+    interfaces: &[Interface],
+    end: &Endpoint,
+    exact: DVec3,
+    distance: f64,
+) -> f64 {
+    let mut differential = RayDifferential::at_point(direction);
+    for interface in interfaces {
+        let arriving = interface.arriving;
+        differential.transfer(arriving, interface.distance, interface.geometric_normal);
+        interface.scatter(&mut differential, arriving, interface.eta.recip());
+    }
+    match end {
+        Endpoint::Point { normal, .. } => {
+            differential.transfer(exact, distance, normal.unwrap_or(exact));
+            differential.area().recip()
+        }
+        Endpoint::Direction(_) => differential.solid_angle().recip(),
+    }
+}
+
+/// [`Chain::reverse_jacobian`]; `normal` is the geometric normal at the start.
+fn reverse_jacobian(
+    normal: DVec3,
+    interfaces: &[Interface],
+    end: &Endpoint,
+    exact: DVec3,
+    distance: f64,
+) -> f64 {
+    let (mut differential, mut distance) = match end {
+        Endpoint::Point { .. } => (RayDifferential::at_point(-exact), distance),
+        // Parallel rays: the distance does not matter.
+        Endpoint::Direction(_) => (RayDifferential::parallel(-exact), 0.0),
+    };
+    let mut direction = -exact;
+    for interface in interfaces.iter().rev() {
+        differential.transfer(direction, distance, interface.geometric_normal);
+        interface.scatter(&mut differential, -interface.leaving, interface.eta);
+        direction = -interface.arriving;
+        distance = interface.distance;
+    }
+    differential.transfer(direction, distance, normal);
+    differential.area().recip()
 }

@@ -25,13 +25,23 @@ pub struct RayDifferential {
 }
 
 impl RayDifferential {
-    /// At the start of a ray along the unit vector `direction`.
+    /// Of rays from one point around the unit vector `direction`.
     #[inline]
-    pub fn at_start(direction: DVec3) -> Self {
+    pub fn at_point(direction: DVec3) -> Self {
         let (s, t) = direction.any_orthonormal_pair();
         Self {
             position: [DVec3::ZERO; 2],
             direction: [s, t],
+        }
+    }
+
+    /// Of parallel rays along the unit vector `direction`: derivatives with respect to the position across it.
+    #[inline]
+    pub fn parallel(direction: DVec3) -> Self {
+        let (s, t) = direction.any_orthonormal_pair();
+        Self {
+            position: [s, t],
+            direction: [DVec3::ZERO; 2],
         }
     }
 
@@ -77,7 +87,7 @@ impl RayDifferential {
         }
     }
 
-    /// |dP_1 x dP_2|: area per solid angle at the start.
+    /// |dP_1 x dP_2|: area per solid angle (or area across the ray) at the start.
     #[inline]
     pub fn area(&self) -> f64 {
         self.position[0].cross(self.position[1]).length()

@@ -1,10 +1,10 @@
 //! Chains of delta vertices between two given points: the geometry of next event estimation through smooth
 //! glass and mirrors.
 //!
-//! [`Casters`] finds them for the shapes of a scene without a random number: on a triangle mesh all chains of
-//! one vertex ([`mesh`], [`newton`]), through a sphere those of up to three ([`sphere`]), through a shape of a
-//! few flat faces those of up to three ([`flat`]). All vertices of a chain lie on one shape. What a finder
-//! proposes is followed by rays ([`chain`]), so that every chain is one that a subpath could take.
+//! [`Casters`] finds them for the shapes of a scene without a random number: on a triangle mesh the chains of
+//! one vertex (`mesh`, `newton`), through a sphere those of up to three (`sphere`), through a shape of a few
+//! flat faces those of up to three (`flat`). All vertices of a chain lie on one shape. What a finder proposes is
+//! followed by rays ([`chain`]), so that every chain is one that a subpath could take.
 //!
 //! ```
 //! use metrolight::scene::specular::{Candidate, Endpoint};
@@ -59,6 +59,7 @@ enum Caster {
 pub struct Casters {
     casters: Vec<Caster>,
     max_length: usize,
+    everywhere: bool,
 }
 
 impl Casters {
@@ -107,6 +108,7 @@ impl Casters {
         Self {
             casters,
             max_length,
+            everywhere: false,
         }
     }
 
@@ -118,6 +120,18 @@ impl Casters {
     /// True if no shape reflects or refracts without roughness.
     pub fn is_empty(&self) -> bool {
         self.casters.is_empty()
+    }
+
+    /// True if bidirectional methods seek chains from every vertex, false if only from those where no other
+    /// technique connects the path.
+    #[inline]
+    pub fn everywhere(&self) -> bool {
+        self.everywhere
+    }
+
+    /// Sets [`Self::everywhere`].
+    pub fn set_everywhere(&mut self, everywhere: bool) {
+        self.everywhere = everywhere;
     }
 
     /// Maximum number of vertices of a chain; 0 without casters.
