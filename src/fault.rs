@@ -42,6 +42,16 @@ pub(crate) enum Fault {
     AdjointLeftOut,
     /// The MIS weight of connected subpaths is 20% too large.
     WeightOff,
+    /// T of a specular chain lacks a factor of 2.
+    ChainJacobianOff,
+    /// The probabilities of the lobes of a specular chain are left out of its density.
+    ChainProbabilityLeftOut,
+    /// Radiance is not scaled where a specular chain is refracted.
+    ChainRadianceUnscaled,
+    /// Technique s = 0 keeps its whole weight where technique 1* samples the path too.
+    MembershipSkipped,
+    /// Light subpaths do not know technique 1*.
+    ChainTermLeftOut,
 }
 
 #[cfg(test)]

@@ -27,6 +27,9 @@ pub mod path;
 pub mod single;
 pub mod splat_list;
 
+#[cfg(test)]
+mod tests;
+
 pub use bdpt::BidirectionalPathTracer;
 pub use light::LightTracer;
 pub use path::PathTracer;

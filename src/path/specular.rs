@@ -6,6 +6,7 @@ use glam::Vec3A;
 use super::environment::EnvironmentVertex;
 use super::mis::h;
 use super::vertex::{Scatter, Vertex};
+use crate::fault::{Fault, planted};
 use crate::scene::specular::{Candidate, Chain, Endpoint, Lobes};
 use crate::scene::{ChainEnd, DeltaLobe, RayCounts, Scene, TransportMode};
 
@@ -41,6 +42,9 @@ pub fn specular_over_hit(
     candidates: &mut Vec<Candidate>,
     counts: &mut RayCounts,
 ) -> f64 {
+    if planted(Fault::MembershipSkipped) {
+        return 0.0;
+    }
     let mut term = || {
         let last = i - 1;
         let (mis, after) = match vertices.get(last) {
@@ -86,6 +90,9 @@ pub fn specular_over_subpath(
     candidates: &mut Vec<Candidate>,
     counts: &mut RayCounts,
 ) -> f64 {
+    if planted(Fault::ChainTermLeftOut) {
+        return 0.0;
+    }
     let mut term = || {
         if end.pdf == 0.0 || delta.len() > scene.casters.max_length() {
             return None;

@@ -26,7 +26,7 @@ pub mod specular;
 pub mod texture;
 
 #[cfg(test)]
-mod test_scenes;
+pub(crate) mod test_scenes;
 
 pub use crate::bvh::Ray;
 pub use bsdf::{

@@ -93,7 +93,7 @@ impl AreaEmitter {
 
     /// The density with which [`Self::sample_surface`] samples a point of a primitive.
     #[inline]
-    fn surface_pdf(&self, primitive: u32) -> f32 {
+    pub fn surface_pdf(&self, primitive: u32) -> f32 {
         match &self.surface {
             Surface::Mesh(mesh) => mesh.pdf(primitive),
             Surface::Sphere(_) => self.uniform_pdf(),
@@ -237,12 +237,6 @@ impl AreaEmitter {
             Surface::Mesh(_) => pdf,
         };
         self.chain_end(position, normal, [own, pdf], pdfs)
-    }
-
-    /// Density of light subpaths on a primitive, without the choice of the emitter.
-    #[inline]
-    pub fn primitive_pdf(&self, primitive: u32) -> f32 {
-        self.surface_pdf(primitive)
     }
 
     fn chain_end(

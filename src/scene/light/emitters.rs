@@ -265,7 +265,7 @@ impl Emitters {
         let (pdfs, bounds) = self.chain_end_pdfs(emitter)?;
         match &self.emitters[emitter as usize] {
             Emitter::Area { light, .. } => {
-                let pdf = light.primitive_pdf(surface.primitive);
+                let pdf = light.surface_pdf(surface.primitive);
                 let (position, normal) = (surface.position, surface.geometric_normal);
                 Some(light.chain_end_on(bounds, position, normal, pdf, pdfs))
             }

@@ -5,6 +5,7 @@ use arrayvec::ArrayVec;
 use glam::{DVec3, Vec3A};
 
 use super::differential::RayDifferential;
+use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 use crate::scene::bsdf::{DeltaLobe, TransportMode};
 use crate::scene::geometry::NormalDerivative;
@@ -93,8 +94,6 @@ pub struct Candidate {
 pub struct Chain {
     /// Unit direction from D to x_n.
     pub direction: Vec3A,
-    /// x_n, the vertex after D.
-    pub first: SurfacePoint,
     /// x_1, the vertex before y.
     pub last: SurfacePoint,
     /// Unit direction from x_1 to y.
@@ -129,7 +128,6 @@ impl Candidate {
         let mut origin = start.ray_origin(direction);
         let (mut throughput, mut probability) = (Rgb::ONE, 1.0);
         let mut interfaces: ArrayVec<Interface, MAX_LENGTH> = ArrayVec::new();
-        let mut first = None;
         let mut last = *start;
         for &lobe in self.lobes.as_slice() {
             let ray = Ray {
@@ -157,11 +155,15 @@ impl Candidate {
                 leaving: next.as_dvec3(),
             });
             throughput *= sample.weight * sample.pdf;
-            probability *= f64::from(sample.pdf);
+            if !planted(Fault::ChainProbabilityLeftOut) {
+                probability *= f64::from(sample.pdf);
+            }
+            if planted(Fault::ChainRadianceUnscaled) {
+                throughput *= sample.eta * sample.eta;
+            }
             direction = next;
             from = point.position;
             origin = point.ray_origin(direction);
-            first = first.or(Some(point));
             last = point;
         }
         let (exact, distance) = end.from(last.position.as_dvec3());
@@ -169,11 +171,15 @@ impl Candidate {
             return None;
         }
         let jacobian = jacobian(self.direction, &interfaces, end, exact, distance);
-        let is_usable = jacobian.is_finite() && throughput != Rgb::ZERO;
+        let factor = if planted(Fault::ChainJacobianOff) {
+            0.8
+        } else {
+            1.0
+        };
+        let jacobian = factor * jacobian;
         let normal = start.geometric_normal.as_dvec3();
-        Some(Chain {
+        (jacobian.is_finite() && throughput != Rgb::ZERO).then(|| Chain {
             direction: first_direction,
-            first: first.filter(|_| is_usable)?,
             last,
             to_end: exact.as_vec3a(),
             length: interfaces.len(),
