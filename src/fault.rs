@@ -42,7 +42,7 @@ pub(crate) enum Fault {
     AdjointLeftOut,
     /// The MIS weight of connected subpaths is 20% too large.
     WeightOff,
-    /// T of a specular chain lacks a factor of 2.
+    /// T of a specular chain is 20% too small.
     ChainJacobianOff,
     /// The probabilities of the lobes of a specular chain are left out of its density.
     ChainProbabilityLeftOut,

@@ -12,7 +12,7 @@ use crate::scene::{Casters, Material, Scene, Texture, TriangleMesh};
 use crate::statistics::Moments;
 use crate::technique::Technique;
 
-const SAMPLES: u64 = 1_000_000;
+const SAMPLES: u64 = 1_500_000;
 
 /// A lamp over a curved sheet of glass over a floor and a wall, seen from above: the camera is at the origin and looks along +z.
 fn scene() -> Scene {
