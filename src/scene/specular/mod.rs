@@ -25,6 +25,8 @@ mod differential;
 mod flat;
 mod mesh;
 mod newton;
+mod plane;
+mod refraction;
 mod sphere;
 
 #[cfg(test)]

@@ -142,14 +142,12 @@ impl Conditions<'_> {
     }
 
     /// Calls `visit` with the vertices on `triangle` that fulfil the conditions.
-    pub fn solve(&self, triangle: &SmoothTriangle, mut visit: impl FnMut(DVec3)) {
+    pub fn solve(&self, triangle: &SmoothTriangle, visit: impl FnMut(DVec3)) {
         let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
         let values = corners.map(|uv| self.residual(triangle, uv));
         let mut found = Found::default();
         self.search(triangle, corners, values, 0, &mut found);
-        for uv in found.solutions() {
-            visit(triangle.point(*uv));
-        }
+        found.visit(triangle, visit);
     }
 
     /// As [`Self::solve`], from `n` (n + 1) / 2 starts.
@@ -158,7 +156,7 @@ impl Conditions<'_> {
         &self,
         triangle: &SmoothTriangle,
         n: usize,
-        mut visit: impl FnMut(DVec3),
+        visit: impl FnMut(DVec3),
     ) {
         let mut found = Found::default();
         for i in 0..n {
@@ -169,9 +167,7 @@ impl Conditions<'_> {
                 }
             }
         }
-        for uv in found.solutions() {
-            visit(triangle.point(*uv));
-        }
+        found.visit(triangle, visit);
     }
 
     fn search(
@@ -260,6 +256,13 @@ struct Found {
 impl Found {
     fn solutions(&self) -> &[DVec2] {
         &self.solutions[..self.count]
+    }
+
+    /// Calls `visit` with every vertex found.
+    fn visit(&self, triangle: &SmoothTriangle, mut visit: impl FnMut(DVec3)) {
+        for uv in self.solutions() {
+            visit(triangle.point(*uv));
+        }
     }
 
     fn add(&mut self, uv: DVec2) {
