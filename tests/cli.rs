@@ -236,6 +236,7 @@ fn statistics_are_written_to_json_and_to_the_image() {
         "samples_per_second",
         "closest_hit_rays",
         "shadow_rays",
+        "chain_searches",
         "rays_per_second",
     ];
     for name in positive {

@@ -1,18 +1,15 @@
 //! Specular chains of subpaths: is the chain of delta vertices between a vertex D and an emitter, which a subpath
 //! has sampled, one that the finder returns for D and the point on the emitter?
 
+use arrayvec::ArrayVec;
 use glam::Vec3A;
 
 use super::environment::EnvironmentVertex;
 use super::mis::h;
 use super::vertex::{Scatter, Vertex};
 use crate::fault::{Fault, planted};
-use crate::scene::specular::{Candidate, Chain, Endpoint, Lobes};
+use crate::scene::specular::{Candidate, Chain, Lobes, Route};
 use crate::scene::{ChainEnd, DeltaLobe, RayCounts, Scene, TransportMode};
-
-/// Distance of unit vectors below which the direction of a chain and that of a subpath are the same: the
-/// rounding of f32, magnified by the chain.
-const SAME_DIRECTION: f32 = 2e-3;
 
 /// p_0 / p_*: density with which a camera subpath samples the end of a chain given D, over that of technique 1*.
 /// `scatter` is that of D in the direction of the chain.
@@ -61,7 +58,7 @@ pub fn specular_over_hit(
         let first = (0..last).rev().find(|&k| vertices[k].mis.connectible)?;
         let start = vertices.get(first.checked_sub(1)?)?;
         let delta = &vertices[first..last];
-        if !wanted(start) || delta.len() > scene.casters.max_length() {
+        if !wanted(start) {
             return None;
         }
         let next = |k: usize| delta.get(k + 1).map_or(after, |next| -next.to_previous);
@@ -70,8 +67,8 @@ pub fn specular_over_hit(
             Some(vertex) => scene.emitters.chain_end_on(&vertex.surface)?,
             None => scene.emitters.chain_end_at(after)?,
         };
-        let sought = Sought::new(delta, lobes, -delta[0].to_previous)?;
-        let chain = sought.find(scene, start, &end, candidates, counts)?;
+        let route = route(scene, delta.iter(), lobes, -delta[0].to_previous)?;
+        let chain = find(scene, start, &end, &route, candidates, counts)?;
         let scatter = start.scatter(scene, chain.direction, TransportMode::Radiance);
         let hit = hit_over_specular(&scatter, &chain, &end);
         (hit > 0.0).then(|| h(1.0 / hit))
@@ -94,17 +91,14 @@ pub fn specular_over_subpath(
         return 0.0;
     }
     let mut term = || {
-        if end.pdf == 0.0 || delta.len() > scene.casters.max_length() {
-            return None;
-        }
         // From D to the emitter.
         let reversed = |k: usize| {
             let i = delta.len() - 1 - k;
             let next = delta.get(i + 1).unwrap_or(start);
             lobe(&delta[i], -next.to_previous)
         };
-        let sought = Sought::new(delta, reversed, start.to_previous)?;
-        let chain = sought.find(scene, start, end, candidates, counts)?;
+        let route = route(scene, delta.iter().rev(), reversed, start.to_previous)?;
+        let chain = find(scene, start, end, &route, candidates, counts)?;
         let ratio = subpath_over_specular(&chain, end);
         (ratio > 0.0).then(|| h(start.mis.forward / ratio))
     };
@@ -122,53 +116,50 @@ fn lobe(vertex: &Vertex, next: Vec3A) -> DeltaLobe {
     }
 }
 
-/// A chain that a finder may return.
-struct Sought {
-    shape: u32,
-    lobes: Lobes,
-    /// Unit, in which it leaves D.
+/// The route of `delta` from D on, with the k-th lobe `lobe(k)`, which leaves D along the unit vector `direction`;
+/// `None` if no finder returns such chains.
+#[inline]
+fn route<'a>(
+    scene: &Scene,
+    delta: impl ExactSizeIterator<Item = &'a Vertex>,
+    lobe: impl Fn(usize) -> DeltaLobe,
     direction: Vec3A,
+) -> Option<Route> {
+    if delta.len() > scene.casters.max_length() {
+        return None;
+    }
+    let lobes = Lobes::collect(delta.len(), lobe);
+    let mut shape = None;
+    let mut primitives = ArrayVec::new();
+    for vertex in delta {
+        let surface = &vertex.surface;
+        if *shape.get_or_insert(surface.shape) != surface.shape {
+            return None;
+        }
+        primitives.push(surface.primitive);
+    }
+    Some(Route {
+        shape: shape?,
+        lobes,
+        primitives,
+        direction,
+    })
 }
 
-impl Sought {
-    /// The chain of `delta` with the k-th lobe `lobe(k)` from D on; `None` if it is not on one shape.
-    #[inline]
-    fn new(delta: &[Vertex], lobe: impl Fn(usize) -> DeltaLobe, direction: Vec3A) -> Option<Self> {
-        let shape = delta.first()?.surface.shape;
-        if delta.iter().any(|vertex| vertex.surface.shape != shape) {
-            return None;
-        }
-        Some(Self {
-            shape,
-            lobes: Lobes::collect(delta.len(), lobe),
-            direction,
-        })
+/// The chain along `route` from `start` to `end`, if technique 1* samples it.
+#[inline]
+fn find(
+    scene: &Scene,
+    start: &Vertex,
+    end: &ChainEnd,
+    route: &Route,
+    candidates: &mut Vec<Candidate>,
+    counts: &mut RayCounts,
+) -> Option<Chain> {
+    if end.pdf == 0.0 {
+        return None;
     }
-
-    /// The chain as the finder returns it; `None` if the finder misses it.
-    #[inline]
-    fn find(
-        &self,
-        scene: &Scene,
-        start: &Vertex,
-        end: &ChainEnd,
-        candidates: &mut Vec<Candidate>,
-        counts: &mut RayCounts,
-    ) -> Option<Chain> {
-        if end.pdf == 0.0 {
-            return None;
-        }
-        let end: &Endpoint = &end.end;
-        scene
-            .casters
-            .chains(start.position().as_dvec3(), end, candidates);
-        let distance =
-            |candidate: &Candidate| (candidate.direction.as_vec3a() - self.direction).length();
-        let nearest = candidates
-            .iter()
-            .filter(|candidate| candidate.shape == self.shape && candidate.lobes == self.lobes)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .filter(|candidate| distance(candidate) < SAME_DIRECTION)?;
-        nearest.follow(scene, &start.surface, end, counts)
-    }
+    let (from, end) = (start.position().as_dvec3(), &end.end);
+    let candidate = scene.casters.find(from, end, route, candidates)?;
+    candidate.follow(scene, &start.surface, end, counts)
 }

@@ -28,7 +28,9 @@ pub struct Statistics {
     pub closest_hit_rays: u64,
     /// Occlusion queries.
     pub shadow_rays: u64,
-    /// Both, per second of rendering.
+    /// Searches for the specular chains between a vertex and a point on an emitter.
+    pub chain_searches: u64,
+    /// Rays of both kinds, per second of rendering.
     pub rays_per_second: f64,
     /// Contributions (for chains: proposals) that were NaN, infinite or negative and left out.
     pub non_finite: u64,
@@ -137,6 +139,7 @@ impl Statistics {
             samples_per_second: per_second(samples, sampling_seconds),
             closest_hit_rays: rays.closest_hit,
             shadow_rays: rays.shadow,
+            chain_searches: rays.chain_searches,
             rays_per_second: per_second(rays.total(), render_seconds),
             non_finite: non_finite.count,
             non_finite_samples: non_finite.samples,

@@ -64,6 +64,7 @@ pub fn specular_next_event<S: Sampler>(
         return;
     };
     let start = vertex.position().as_dvec3();
+    counts.chain_searches += 1;
     scene.casters.chains(start, &end.end, candidates);
     for candidate in candidates.iter() {
         let direction = candidate.direction.as_vec3a();

@@ -1,18 +1,28 @@
-//! Counts of rays.
+//! Counts of rays and of searches for specular chains.
 
-/// Rays traced: the unit of cost.
+/// Rays traced, and searches for specular chains: the units of cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     /// Closest-hit queries.
     pub closest_hit: u64,
     /// Occlusion queries.
     pub shadow: u64,
+    /// Searches for the chains between a vertex and a point on an emitter.
+    pub chain_searches: u64,
 }
 
 impl RayCounts {
+    /// Rays that cost as much as a search for chains, on the scenes of the repository.
+    const RAYS_PER_SEARCH: f64 = 12.0;
+
     /// All rays.
     pub fn total(&self) -> u64 {
         self.closest_hit + self.shadow
+    }
+
+    /// Cost of all rays and searches, in rays.
+    pub fn cost(&self) -> f64 {
+        self.total() as f64 + Self::RAYS_PER_SEARCH * self.chain_searches as f64
     }
 }
 
@@ -20,6 +30,7 @@ impl std::ops::AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.closest_hit += other.closest_hit;
         self.shadow += other.shadow;
+        self.chain_searches += other.chain_searches;
     }
 }
 

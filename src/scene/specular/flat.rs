@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::chain::{Candidate, Endpoint, Lobes, MAX_LENGTH};
 use super::plane::Plane;
 use super::refraction::{refract_once, refract_twice};
+use super::route::Route;
 use crate::bvh::Corners;
 use crate::scene::bsdf::DeltaLobe::{self, Reflection, Transmission};
 
@@ -38,6 +39,8 @@ pub struct FlatCaster {
 #[derive(Debug)]
 struct Face {
     plane: Plane,
+    /// Indices of the primitives.
+    primitives: Vec<u32>,
     triangles: Vec<Corners>,
     /// A sphere around the triangles.
     center: DVec3,
@@ -57,6 +60,9 @@ impl Face {
         })
     }
 }
+
+/// Faces and lobes of a chain.
+type Sequence = ArrayVec<(usize, DeltaLobe), MAX_LENGTH>;
 
 /// A vertex of a sequence in the unfolded space.
 #[derive(Clone, Copy)]
@@ -100,6 +106,8 @@ impl Space {
 
 /// The search for chains between two points.
 struct Search<'a, V> {
+    /// Sequences that begin otherwise are left out, and those that end earlier.
+    only: Option<Sequence>,
     caster: &'a FlatCaster,
     start: DVec3,
     end: &'a Endpoint,
@@ -109,14 +117,14 @@ struct Search<'a, V> {
 }
 
 impl FlatCaster {
-    /// The caster of triangles and their front normals; `None` if their planes are too many.
+    /// The caster of triangles: index, corners, and front normal of each; `None` if their planes are too many.
     pub fn new(
         shape: u32,
         eta: Option<f64>,
-        triangles: impl Iterator<Item = (Corners, DVec3)>,
+        triangles: impl Iterator<Item = (u32, Corners, DVec3)>,
     ) -> Option<Self> {
         let mut faces: Vec<Face> = Vec::new();
-        for (corners, normal) in triangles {
+        for (primitive, corners, normal) in triangles {
             let points = corners.map(|p| DVec3::from_array(p.map(f64::from)));
             let geometric = (points[1] - points[0])
                 .cross(points[2] - points[0])
@@ -131,15 +139,16 @@ impl FlatCaster {
                         .all(|&p| face.plane.distance(p).abs() < PLANE_TOLERANCE)
             };
             if let Some(face) = faces.iter_mut().find(same) {
+                face.primitives.push(primitive);
                 face.triangles.push(corners);
             } else if faces.len() == MAX_FACES {
                 return None;
             } else {
                 let plane = Plane { normal, offset };
-                let triangles = vec![corners];
                 faces.push(Face {
                     plane,
-                    triangles,
+                    primitives: vec![primitive],
+                    triangles: vec![corners],
                     center: DVec3::ZERO,
                     radius: 0.0,
                 });
@@ -176,11 +185,41 @@ impl FlatCaster {
 
     /// Calls `visit` with every chain of up to [`MAX_LENGTH`] vertices from `start` to `end`.
     pub fn chains(&self, start: DVec3, end: &Endpoint, visit: impl FnMut(Candidate)) {
+        self.search(start, end, None, visit);
+    }
+
+    /// As [`Self::chains`] for those with the faces and lobes of `route`.
+    pub fn chains_along(
+        &self,
+        start: DVec3,
+        end: &Endpoint,
+        route: &Route,
+        visit: impl FnMut(Candidate),
+    ) {
+        let faces = route.primitives.iter().map(|primitive| {
+            let on_face = |face: &Face| face.primitives.contains(primitive);
+            self.faces.iter().position(on_face)
+        });
+        let lobes = route.lobes.as_slice().iter();
+        let steps = faces.zip(lobes).map(|(face, &lobe)| Some((face?, lobe)));
+        if let Some(only) = steps.collect() {
+            self.search(start, end, Some(only), visit);
+        }
+    }
+
+    fn search(
+        &self,
+        start: DVec3,
+        end: &Endpoint,
+        only: Option<Sequence>,
+        visit: impl FnMut(Candidate),
+    ) {
         let inside = |distance: &dyn Fn(&Plane) -> f64| {
             self.convex && self.faces.iter().all(|face| distance(&face.plane) < 0.0)
         };
         let is_point = matches!(end, Endpoint::Point { .. });
         let mut search = Search {
+            only,
             caster: self,
             start,
             end,
@@ -203,15 +242,14 @@ impl FlatCaster {
 impl<V: FnMut(Candidate)> Search<'_, V> {
     /// All sequences that begin at a face, seen from the outside (its front side) or from the inside.
     fn first(&mut self, face: usize, outside: bool) {
-        let refracts = self.caster.eta.is_some();
-        self.step(face, Reflection, Space::SCENE);
-        self.finish(outside);
-        if !outside {
-            self.inside();
+        if self.step(face, Reflection, Space::SCENE) {
+            self.finish(outside);
+            if !outside {
+                self.inside();
+            }
+            self.steps.clear();
         }
-        self.steps.clear();
-        if refracts {
-            self.step(face, Transmission, Space::SCENE);
+        if self.step(face, Transmission, Space::SCENE) {
             self.finish(!outside);
             if outside {
                 self.inside();
@@ -233,25 +271,33 @@ impl<V: FnMut(Candidate)> Search<'_, V> {
             if face == last.face {
                 continue;
             }
-            self.step(face, Reflection, space);
-            self.finish(false);
-            self.inside();
-            self.steps.pop();
-            if self.caster.eta.is_some() {
-                self.step(face, Transmission, space);
+            if self.step(face, Reflection, space) {
+                self.finish(false);
+                self.inside();
+                self.steps.pop();
+            }
+            if self.step(face, Transmission, space) {
                 self.finish(true);
                 self.steps.pop();
             }
         }
     }
 
-    fn step(&mut self, face: usize, lobe: DeltaLobe, space: Space) {
+    /// Appends a vertex to the sequence; false if there is none.
+    fn step(&mut self, face: usize, lobe: DeltaLobe, space: Space) -> bool {
+        let exists = lobe == Reflection || self.caster.eta.is_some();
+        let next = self.steps.len();
+        let only = self.only.as_ref();
+        if !exists || only.is_some_and(|only| only.get(next) != Some(&(face, lobe))) {
+            return false;
+        }
         self.steps.push(Step {
             face,
             lobe,
             plane: self.caster.faces[face].plane.transformed(&space.from_scene),
             space,
         });
+        true
     }
 
     /// Solves the sequence with the end on the outside or inside of its last face.
@@ -259,6 +305,10 @@ impl<V: FnMut(Candidate)> Search<'_, V> {
         let Some(&last) = self.steps.last() else {
             return;
         };
+        let only = self.only.as_ref();
+        if only.is_some_and(|only| only.len() != self.steps.len()) {
+            return;
+        }
         let side = self.caster.faces[last.face].plane.side_of(self.end);
         if outside != (side > 0.0) || (self.caster.convex && outside == self.end_inside) {
             return;

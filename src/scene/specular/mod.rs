@@ -21,12 +21,15 @@
 //! ```
 
 pub mod chain;
+mod cone_tree;
 mod differential;
 mod flat;
+mod kind;
 mod mesh;
 mod newton;
 mod plane;
 mod refraction;
+mod route;
 mod sphere;
 
 #[cfg(test)]
@@ -37,9 +40,11 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3A};
 
 pub use chain::{Candidate, Chain, Endpoint, Lobes};
+pub use route::Route;
 
+use self::cone_tree::Triangle;
 use self::flat::FlatCaster;
-use self::mesh::{MeshCaster, Triangle};
+use self::mesh::MeshCaster;
 use self::sphere::SphereCaster;
 use super::bsdf::Material;
 use super::geometry::Geometry;
@@ -59,6 +64,7 @@ enum Caster {
 /// All casters of a scene.
 #[derive(Debug, Default)]
 pub struct Casters {
+    /// In the order of their shapes.
     casters: Vec<Caster>,
     max_length: usize,
     everywhere: bool,
@@ -71,12 +77,13 @@ impl Casters {
         let mut triangles: BTreeMap<u32, Vec<(Triangle, DVec3)>> = BTreeMap::new();
         let mut casters = Vec::new();
         let is_caster = |shape: u32| material(shape).has_delta_lobe();
-        for (_, primitive, normals) in geometry.primitives(is_caster) {
+        for (index, primitive, normals) in geometry.primitives(is_caster) {
             match primitive {
                 Primitive::Triangle(triangle) => {
                     let front = geometry.triangle_normal(&triangle).as_dvec3();
                     let normals = normals.unwrap_or([front; 3]);
                     let own = Triangle {
+                        primitive: index,
                         corners: triangle.corners,
                         normals: normals.map(|n| n.as_vec3().to_array()),
                     };
@@ -105,6 +112,7 @@ impl Casters {
             let eta = material(shape).smooth_refraction().map(f64::from);
             casters.extend(of_triangles(shape, eta, triangles));
         }
+        casters.sort_by_key(Caster::shape);
         let lengths = casters.iter().map(Caster::max_length);
         let max_length = lengths.max().unwrap_or(0);
         Self {
@@ -146,13 +154,35 @@ impl Casters {
     pub fn chains(&self, start: DVec3, end: &Endpoint, candidates: &mut Vec<Candidate>) {
         candidates.clear();
         for caster in &self.casters {
-            let push = |candidate| candidates.push(candidate);
-            match caster {
-                Caster::Mesh(mesh) => mesh.chains(start, end, push),
-                Caster::Flat(flat) => flat.chains(start, end, push),
-                Caster::Sphere(sphere) => sphere.chains(start, end, push),
-            }
+            caster.chains(start, end, candidates);
         }
+    }
+
+    /// The chain along `route` as [`Self::chains`] returns it; `None` if it does not. `candidates` is memory.
+    #[inline]
+    pub fn find(
+        &self,
+        start: DVec3,
+        end: &Endpoint,
+        route: &Route,
+        candidates: &mut Vec<Candidate>,
+    ) -> Option<Candidate> {
+        let caster = self.on_shape(route.shape)?;
+        candidates.clear();
+        caster.chains_along(start, end, route, candidates);
+        if let Some(found) = route.nearest(candidates) {
+            return Some(*found);
+        }
+        // Rounding may have put a vertex on a primitive beside that of the solution.
+        candidates.clear();
+        caster.chains(start, end, candidates);
+        route.nearest(candidates).copied()
+    }
+
+    /// The caster of a shape.
+    fn on_shape(&self, shape: u32) -> Option<&Caster> {
+        let index = self.casters.binary_search_by_key(&shape, Caster::shape);
+        index.ok().map(|index| &self.casters[index])
     }
 
     /// As [`Self::chains`] for meshes, by brute force.
@@ -169,8 +199,7 @@ impl Casters {
 
     /// Maximum number of vertices of the chains that are found on a shape; 0 if it is no caster.
     pub fn max_length_on(&self, shape: u32) -> usize {
-        let on_shape = self.casters.iter().find(|caster| caster.shape() == shape);
-        on_shape.map_or(0, Caster::max_length)
+        self.on_shape(shape).map_or(0, Caster::max_length)
     }
 
     /// Centre and radius of a sphere around all casters; `None` without casters.
@@ -206,6 +235,32 @@ impl Casters {
 }
 
 impl Caster {
+    /// Appends all chains from `start` to `end` to `found`.
+    fn chains(&self, start: DVec3, end: &Endpoint, found: &mut Vec<Candidate>) {
+        let push = |candidate| found.push(candidate);
+        match self {
+            Self::Mesh(mesh) => mesh.chains(start, end, push),
+            Self::Flat(flat) => flat.chains(start, end, push),
+            Self::Sphere(sphere) => sphere.chains(start, end, push),
+        }
+    }
+
+    /// As [`Self::chains`] for those whose vertices have the primitives and lobes of `route`.
+    fn chains_along(
+        &self,
+        start: DVec3,
+        end: &Endpoint,
+        route: &Route,
+        found: &mut Vec<Candidate>,
+    ) {
+        let push = |candidate| found.push(candidate);
+        match self {
+            Self::Mesh(mesh) => mesh.chains_along(start, end, route, push),
+            Self::Flat(flat) => flat.chains_along(start, end, route, push),
+            Self::Sphere(sphere) => sphere.chains_along(start, end, route, push),
+        }
+    }
+
     fn shape(&self) -> u32 {
         match self {
             Self::Mesh(mesh) => mesh.shape,
@@ -234,7 +289,7 @@ fn of_triangles(shape: u32, eta: Option<f64>, triangles: Vec<(Triangle, DVec3)>)
     if triangles.iter().all(is_flat) {
         let faces = triangles
             .iter()
-            .map(|(triangle, front)| (triangle.corners, *front));
+            .map(|(triangle, front)| (triangle.primitive, triangle.corners, *front));
         if let Some(flat) = FlatCaster::new(shape, eta, faces) {
             return Some(Caster::Flat(flat));
         }

@@ -13,6 +13,8 @@
 use glam::{DMat2, DVec2, DVec3};
 
 use super::chain::Endpoint;
+use super::cone_tree::Triangle;
+use super::kind::Kind;
 
 /// Maximum number of steps.
 const STEPS: usize = 10;
@@ -53,18 +55,29 @@ pub struct SmoothTriangle {
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
     /// D.
-    pub start: DVec3,
+    start: DVec3,
     /// y.
-    pub end: &'a Endpoint,
+    end: &'a Endpoint,
     /// eta_D and eta_y; equal for reflection.
-    pub indices: [f64; 2],
+    indices: [f64; 2],
     /// 1 if D is on the side of the normal, -1 if it is on the other one.
-    pub side: f64,
+    side: f64,
     /// 1 if y is on the same side as D (reflection), -1 if it is not.
-    pub end_side: f64,
+    end_side: f64,
 }
 
-impl Conditions<'_> {
+impl<'a> Conditions<'a> {
+    /// Those of a vertex of this kind.
+    pub fn new(start: DVec3, end: &'a Endpoint, kind: &Kind) -> Self {
+        Self {
+            start,
+            end,
+            indices: kind.indices.map(f64::from),
+            side: f64::from(kind.side),
+            end_side: f64::from(kind.side * kind.end_side()),
+        }
+    }
+
     /// g at (u, v).
     #[inline]
     fn residual(&self, triangle: &SmoothTriangle, uv: DVec2) -> DVec2 {
@@ -270,6 +283,23 @@ impl Found {
         if is_new && self.count < self.solutions.len() {
             self.solutions[self.count] = uv;
             self.count += 1;
+        }
+    }
+}
+
+impl From<&Triangle> for SmoothTriangle {
+    fn from(triangle: &Triangle) -> Self {
+        let [p0, p1, p2] = triangle
+            .corners
+            .map(|p| DVec3::from_array(p.map(f64::from)));
+        let [n0, n1, n2] = triangle
+            .normals
+            .map(|n| DVec3::from_array(n.map(f64::from)));
+        Self {
+            corner: p0,
+            edges: [p1 - p0, p2 - p0],
+            normal: n0,
+            slopes: [n1 - n0, n2 - n0],
         }
     }
 }

@@ -22,6 +22,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
 use super::chain::{Candidate, Endpoint, Lobes};
+use super::route::Route;
 use crate::scene::bsdf::DeltaLobe::{self, Reflection, Transmission};
 
 /// Intervals in which stationary points of the sweep are sought.
@@ -226,65 +227,95 @@ fn root(
 impl SphereCaster {
     /// Calls `visit` with every chain from `start` to `end`.
     pub fn chains(&self, start: DVec3, end: &Endpoint, mut visit: impl FnMut(Candidate)) {
-        let from_center = start - self.center;
+        let ends = Ends::new(self, start, end);
+        for kind in self.kinds(ends.inside) {
+            self.solve(&ends, kind, &mut visit);
+        }
+    }
+
+    /// As [`Self::chains`] for those with the lobes of `route`.
+    pub fn chains_along(
+        &self,
+        start: DVec3,
+        end: &Endpoint,
+        route: &Route,
+        mut visit: impl FnMut(Candidate),
+    ) {
+        let ends = Ends::new(self, start, end);
+        let lobes = route.lobes.as_slice();
+        for kind in self.kinds(ends.inside).filter(|&kind| kind == lobes) {
+            self.solve(&ends, kind, &mut visit);
+        }
+    }
+
+    /// The lobes of all kinds of chains between ends that are `inside` the sphere or not.
+    fn kinds(&self, inside: [bool; 2]) -> impl Iterator<Item = &'static [DeltaLobe]> {
+        const R: DeltaLobe = Reflection;
+        const T: DeltaLobe = Transmission;
+        let (reflected, refracted): (&[&[DeltaLobe]], &[&[DeltaLobe]]) = match inside {
+            [false, false] => (&[&[R]], &[&[T, T], &[T, R, T]]),
+            [true, true] => (&[&[R], &[R, R], &[R, R, R]], &[]),
+            [true, false] => (&[], &[&[T], &[R, T], &[R, R, T]]),
+            [false, true] => (&[], &[&[T], &[T, R], &[T, R, R]]),
+        };
+        let refracted = self.eta.map(|_| refracted).into_iter().flatten();
+        reflected.iter().chain(refracted).copied()
+    }
+
+    /// Calls `visit` with every chain with these lobes.
+    fn solve(&self, ends: &Ends, lobes: &[DeltaLobe], visit: &mut impl FnMut(Candidate)) {
+        let eta = self.eta.unwrap_or(1.0);
+        let [start_distance, end_distance] = ends.distances;
+        for start_end in branches(start_distance, ends.inside[0]) {
+            for end_end in branches(end_distance, ends.inside[1]) {
+                let chords = lobes.len() - 1;
+                let sweep = Sweep::new([start_end, end_end], chords, self.radius, eta);
+                sweep.solve(ends.phi, |q, sign| {
+                    let angle = sweep.angle(start_end, q);
+                    let [e1, e2] = ends.axes;
+                    let vertex = (e1 * angle.cos() + e2 * (sign * angle.sin())) * self.radius;
+                    if let Some(direction) = (vertex - e1 * start_distance).try_normalize() {
+                        visit(Candidate {
+                            direction,
+                            lobes: Lobes::new(lobes),
+                            shape: self.shape,
+                        });
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// The two ends of a chain in the plane of the ends and the centre.
+struct Ends {
+    /// Unit, from the centre to the start, and perpendicular to it.
+    axes: [DVec3; 2],
+    /// Angle between the ends.
+    phi: f64,
+    /// From the centre.
+    distances: [f64; 2],
+    /// Whether they are inside the sphere.
+    inside: [bool; 2],
+}
+
+impl Ends {
+    fn new(sphere: &SphereCaster, start: DVec3, end: &Endpoint) -> Self {
+        let from_center = start - sphere.center;
         let start_distance = from_center.length();
-        let (toward_end, end_distance) = end.from(self.center);
+        let (toward_end, end_distance) = end.from(sphere.center);
         let e1 = from_center / start_distance;
         let cos = e1.dot(toward_end).clamp(-1.0, 1.0);
         let across = toward_end - e1 * cos;
-        let phi = across.length().atan2(cos);
         let e2 = across
             .try_normalize()
             .unwrap_or_else(|| e1.any_orthonormal_vector());
-        let start_inside = start_distance < self.radius;
-        let end_inside = end_distance < self.radius;
-        let eta = self.eta.unwrap_or(1.0);
-        let mut solve = |chords: usize, lobes: &[DeltaLobe]| {
-            for start_end in branches(start_distance, start_inside) {
-                for end_end in branches(end_distance, end_inside) {
-                    let sweep = Sweep::new([start_end, end_end], chords, self.radius, eta);
-                    sweep.solve(phi, |q, sign| {
-                        let angle = sweep.angle(start_end, q);
-                        let vertex = (e1 * angle.cos() + e2 * (sign * angle.sin())) * self.radius;
-                        if let Some(direction) = (vertex - from_center).try_normalize() {
-                            visit(Candidate {
-                                direction,
-                                lobes: Lobes::new(lobes),
-                                shape: self.shape,
-                            });
-                        }
-                    });
-                }
-            }
-        };
-        match (start_inside, end_inside) {
-            (false, false) => solve(0, &[Reflection]),
-            (true, true) => {
-                solve(0, &[Reflection]);
-                solve(1, &[Reflection, Reflection]);
-                solve(2, &[Reflection, Reflection, Reflection]);
-            }
-            (true, false) | (false, true) => {}
-        }
-        if self.eta.is_none() {
-            return;
-        }
-        match (start_inside, end_inside) {
-            (false, false) => {
-                solve(1, &[Transmission, Transmission]);
-                solve(2, &[Transmission, Reflection, Transmission]);
-            }
-            (true, false) => {
-                solve(0, &[Transmission]);
-                solve(1, &[Reflection, Transmission]);
-                solve(2, &[Reflection, Reflection, Transmission]);
-            }
-            (false, true) => {
-                solve(0, &[Transmission]);
-                solve(1, &[Transmission, Reflection]);
-                solve(2, &[Transmission, Reflection, Reflection]);
-            }
-            (true, true) => {}
+        let distances = [start_distance, end_distance];
+        Self {
+            axes: [e1, e2],
+            phi: across.length().atan2(cos),
+            distances,
+            inside: distances.map(|distance| distance < sphere.radius),
         }
     }
 }

@@ -41,7 +41,8 @@ fn rays_from_far_outside_hit_the_scene() {
         counts,
         RayCounts {
             closest_hit: 12,
-            shadow: 8
+            shadow: 8,
+            chain_searches: 0
         }
     );
 }
