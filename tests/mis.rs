@@ -14,7 +14,7 @@ mod whole_path;
 use std::collections::BTreeMap;
 
 use metrolight::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
-use metrolight::scene::{Casters, Scene};
+use metrolight::scene::{Casters, ChainSearch, Scene};
 use proptest::prelude::*;
 use random::random_scene;
 use whole_path::whole_path;
@@ -67,7 +67,9 @@ proptest! {
         u in prop::collection::vec(0.0f32..1.0, 40),
     ) {
         let mut scene = random_scene(&u);
-        scene.casters.set_everywhere(u[0] < 0.5);
+        if u[0] < 0.5 {
+            scene.casters.set_search(ChainSearch::Everywhere);
+        }
         let seen = compare(&scene, 100);
         prop_assert!(!seen.is_empty());
     }
@@ -90,7 +92,7 @@ fn weights_equal_the_reference_on_all_kinds_of_emitters_and_materials() {
     ] {
         let mut scene = common::load(&format!("tests/scenes/{name}"), &[]);
         let some = compare(&scene, 8000);
-        scene.casters.set_everywhere(true);
+        scene.casters.set_search(ChainSearch::Everywhere);
         let all = compare(&scene, 4000);
         scene.casters = Casters::none();
         let none = compare(&scene, 8000);

@@ -8,7 +8,7 @@ use metrolight::technique::TechniqueSet;
 
 use super::numbers::quantity;
 use super::source::SceneArgs;
-use super::{Outcome, print, warn};
+use super::{Outcome, print, warn, wording};
 
 /// Load a scene, list what it contains, and warn of light that cannot be found
 #[derive(clap::Args)]
@@ -24,10 +24,17 @@ pub struct Args {
 
 /// Prints the scene on stdout and warnings on stderr.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
-    let opened = args.scene.open()?;
+    let opened = args.scene.open(None)?;
     print(args.scene.path.display());
     for (what, text) in describe(&opened.scene) {
         print(format_args!("  {what:<10} {text}"));
+    }
+    if let Some(choice) = &opened.specular {
+        print(format_args!(
+            "  {:<10} {}",
+            "",
+            wording::specular_choice(choice)
+        ));
     }
     print(format_args!("  {:<10} {}", "time", opened.times()));
     warn(&opened.warnings);

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use metrolight::render::Method;
+use metrolight::scene::ChainSearch;
 
 /// An integrator, each with what it is good for.
 #[derive(Clone, Copy, PartialEq)]
@@ -43,17 +44,32 @@ impl std::fmt::Display for IntegratorName {
 /// Whether light is sought through chains of smooth glass and mirrors.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum SpecularName {
+    /// A pilot chooses between on and everywhere
+    Auto,
     /// Connect vertices to lights through smooth glass and mirrors, where no other connection exists
     On,
-    /// Everywhere: slower, and better where much light goes through glass twice (pool), not in rooms with some glass
+    /// From every vertex: better where much of the image is seen and lit through glass, slower elsewhere
     Everywhere,
     /// Leave such light to paths that hit an emitter by chance
     Off,
 }
 
+impl SpecularName {
+    /// Where chains are sought; `None` if pilots choose.
+    pub fn search(self) -> Option<ChainSearch> {
+        match self {
+            Self::Auto => None,
+            Self::On => Some(ChainSearch::Unconnected),
+            Self::Everywhere => Some(ChainSearch::Everywhere),
+            Self::Off => Some(ChainSearch::Off),
+        }
+    }
+}
+
 impl std::fmt::Display for SpecularName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
+            Self::Auto => "auto",
             Self::On => "on",
             Self::Everywhere => "everywhere",
             Self::Off => "off",

@@ -106,11 +106,14 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
     interrupt::listen()?;
 
     // Load.
-    let opened = args.scene.open()?;
+    let opened = args.scene.open(args.run.threads)?;
     let mut warnings = opened.warnings.clone();
     warn(&warnings);
     if !args.run.quiet {
         eprint(opened.times());
+        if let Some(choice) = &opened.specular {
+            eprint(wording::specular_choice(choice));
+        }
     }
     let progress = args.run.progress();
     // All integrators that the pilot may choose combine the same techniques.

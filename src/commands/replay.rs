@@ -91,7 +91,7 @@ fn command(scene: &SceneArgs, settings: &Settings, sample: SampleId) -> String {
 
 /// Prints subpaths and connections on stdout.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
-    let opened = args.scene.open()?;
+    let opened = args.scene.open(None)?;
     warn(&opened.warnings);
     let mut settings = Settings {
         seed: args.seed,

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use metrolight::analysis::{lost_light, trapped_light};
 use metrolight::mitsuba::{self, Overrides};
-use metrolight::scene::{Casters, Scene};
+use metrolight::render::{SpecularChoice, choose_specular};
+use metrolight::scene::{ChainSearch, Scene};
 use metrolight::technique::TechniqueSet;
 use miette::IntoDiagnostic;
 
@@ -39,7 +40,7 @@ pub struct SceneArgs {
     pub max_depth: Option<values::MaxDepth>,
 
     /// Specular next event estimation: where vertices are connected to lights through smooth glass and mirrors
-    #[arg(long, value_name = "MODE", default_value = "on")]
+    #[arg(long, value_name = "MODE", default_value = "auto")]
     pub specular: SpecularName,
 }
 
@@ -50,8 +51,10 @@ pub struct Opened {
     pub warnings: Vec<String>,
     /// Time to read and decode all files.
     pub load_seconds: f64,
-    /// Time to build the acceleration structure and the emitters' distributions.
+    /// Time to build the acceleration structure and the emitters' distributions, and of pilots.
     pub build_seconds: f64,
+    /// What the pilots of `--specular auto` chose; `None` if there was nothing to choose.
+    pub specular: Option<SpecularChoice>,
 }
 
 impl Opened {
@@ -64,6 +67,15 @@ impl Opened {
         )
     }
 
+    /// Where technique 1* is used.
+    pub fn specular_in_use(&self) -> SpecularName {
+        match self.scene.casters.search() {
+            ChainSearch::Off => SpecularName::Off,
+            ChainSearch::Unconnected => SpecularName::On,
+            ChainSearch::Everywhere => SpecularName::Everywhere,
+        }
+    }
+
     /// Warnings of light that `techniques` cannot find, or only rarely.
     pub fn lost_light(&self, techniques: TechniqueSet) -> Vec<String> {
         let lost = lost_light(&self.scene, techniques);
@@ -72,8 +84,8 @@ impl Opened {
 }
 
 impl SceneArgs {
-    /// Loads and builds the scene.
-    pub fn open(&self) -> miette::Result<Opened> {
+    /// Loads and builds the scene. `threads` are for the pilots of `--specular auto`; `None` for one per core.
+    pub fn open(&self, threads: Option<usize>) -> miette::Result<Opened> {
         let start = Instant::now();
         let overrides = Overrides { size: self.size };
         let loaded = mitsuba::load_with(&self.path, &self.defines, overrides)?;
@@ -88,11 +100,13 @@ impl SceneArgs {
         let mut scene = description
             .build()
             .map_err(|error| miette::miette!("{}: {error}", self.path.display()))?;
-        match self.specular {
-            SpecularName::On => {}
-            SpecularName::Everywhere => scene.casters.set_everywhere(true),
-            SpecularName::Off => scene.casters = Casters::none(),
-        }
+        let specular = match self.specular.search() {
+            Some(search) => {
+                scene.casters.set_search(search);
+                None
+            }
+            None => choose_specular(&mut scene, threads).into_diagnostic()?,
+        };
         let build_seconds = start.elapsed().as_secs_f64();
         warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
         Ok(Opened {
@@ -100,6 +114,7 @@ impl SceneArgs {
             warnings,
             load_seconds,
             build_seconds,
+            specular,
         })
     }
 
@@ -118,7 +133,7 @@ impl SceneArgs {
                 None => "--max-depth -1".into(),
             });
         }
-        if self.specular != SpecularName::On {
+        if self.specular != SpecularName::Auto {
             words.push(format!("--specular {}", self.specular));
         }
         words.join(" ")

@@ -47,7 +47,7 @@ pub fn json(
             .map(|(name, value)| (&**name, &**value))
             .collect(),
         max_depth: opened.scene.depth.max_depth,
-        specular: args.specular.to_string(),
+        specular: opened.specular_in_use().to_string(),
         budget: budget_json(settings.budget),
         load_seconds: opened.load_seconds,
         build_seconds: opened.build_seconds,

@@ -3,7 +3,8 @@
 use metrolight::analysis::lost_light::PROBES;
 use metrolight::analysis::trapped_light::BOUNCES;
 use metrolight::analysis::{Loss, LostLight, TrappedLight};
-use metrolight::render::{Choice, ChoiceReason, Warning};
+use metrolight::render::{Choice, ChoiceReason, SpecularChoice, Warning};
+use metrolight::scene::ChainSearch;
 use metrolight::technique::TechniqueSet;
 
 /// What limits an image.
@@ -50,6 +51,18 @@ pub fn warning(warning: &Warning) -> String {
         ),
         Warning::Black => "the image is black: no path has found light".into(),
     }
+}
+
+/// What pilots chose for specular next event estimation.
+pub fn specular_choice(choice: &SpecularChoice) -> String {
+    let place = match choice.search {
+        ChainSearch::Everywhere => "from every vertex",
+        ChainSearch::Unconnected | ChainSearch::Off => "where no other technique connects",
+    };
+    format!(
+        "specular next event estimation: {place} (from every vertex, {:.2} times the error is expected)",
+        choice.gain.recip()
+    )
 }
 
 /// Where an image is too dark, or may be.

@@ -148,7 +148,7 @@ fn amount(x: f64, cost: Cost) -> String {
 mod tests {
     use super::*;
     use crate::convergence::CurvePoint;
-    use crate::render::{Method, Settings};
+    use crate::render::Method;
 
     fn curve(errors: &[f64]) -> Curve {
         let point = |(i, &relative_mse): (usize, &f64)| CurvePoint {
@@ -166,11 +166,7 @@ mod tests {
 
     #[test]
     fn the_legend_compares_with_the_baseline() {
-        let variant = |method: Method| Variant {
-            label: method.name().into(),
-            settings: Settings::new(method),
-        };
-        let variants = [Method::Bdpt, Method::Pssmlt, Method::Path].map(variant);
+        let variants = [Method::Bdpt, Method::Pssmlt, Method::Path].map(Variant::new);
         let curves = [
             curve(&[8.0, 4.0, 2.0, 1.0]),
             curve(&[2.0, 1.0, 0.5, 0.25]),

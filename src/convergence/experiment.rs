@@ -5,8 +5,8 @@ use std::time::Instant;
 use super::recorder::{ExperimentProgress, Recorder};
 use crate::film::Image;
 use crate::metrics::ImageError;
-use crate::render::{Observer, Progress, Settings, Warning, render};
-use crate::scene::Scene;
+use crate::render::{Method, Observer, Progress, Settings, Warning, render};
+use crate::scene::{ChainSearch, Scene};
 
 /// Settings that the scene is rendered with.
 #[derive(Clone, Debug)]
@@ -15,12 +15,25 @@ pub struct Variant {
     pub label: String,
     /// Settings of the first repeat; repeat i adds i to the seed.
     pub settings: Settings,
+    /// Where technique 1* is used; `None` to leave it as it is in the scene.
+    pub search: Option<ChainSearch>,
+}
+
+impl Variant {
+    /// A method with default settings.
+    pub fn new(method: Method) -> Self {
+        Self {
+            label: method.name().into(),
+            settings: Settings::new(method),
+            search: None,
+        }
+    }
 }
 
 /// An experiment to run.
 pub struct Experiment<'a> {
     /// The scene to render.
-    pub scene: &'a Scene,
+    pub scene: &'a mut Scene,
     /// Image that errors are measured against, of the scene's size.
     pub reference: &'a Image,
     /// Settings to compare. The first variant is the baseline.
@@ -62,7 +75,7 @@ impl Experiment<'_> {
     ///
     /// # Errors
     /// If the threads of a render cannot be started.
-    pub fn run(&self, observer: &dyn Observer) -> Result<Outcome, rayon::ThreadPoolBuildError> {
+    pub fn run(&mut self, observer: &dyn Observer) -> Result<Outcome, rayon::ThreadPoolBuildError> {
         observer.phase("rendering");
         let mut outcome = Outcome::default();
         let variants = 0..self.variants.len();
@@ -91,18 +104,23 @@ impl Experiment<'_> {
 
     /// Renders a variant once, and adds its measurements to `outcome`.
     fn render(
-        &self,
+        &mut self,
         variant: usize,
         repeat: u64,
         recorder: Recorder,
         outcome: &mut Outcome,
     ) -> Result<(), rayon::ThreadPoolBuildError> {
-        let settings = &self.variants[variant].settings;
+        let Variant {
+            settings, search, ..
+        } = &self.variants[variant];
+        let usual = self.scene.casters.search();
+        self.scene.casters.set_search(search.unwrap_or(usual));
         let settings = Settings {
             seed: settings.seed.wrapping_add(repeat),
             ..settings.clone()
         };
         let rendering = render(self.scene, &settings, &recorder)?;
+        self.scene.casters.set_search(usual);
         if rendering.interrupted {
             outcome.interrupted = true;
             return Ok(());

@@ -10,17 +10,22 @@
 //!
 //! # let size = metrolight::mitsuba::Overrides { size: Some([16, 12]) };
 //! # let path = std::path::Path::new("scenes/cornell/scene.xml");
-//! # let scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
+//! # let mut scene = metrolight::mitsuba::load_with(path, &[], size)?.description.build()?;
 //! let settings = |method, spp| Settings {
 //!     budget: Budget::SamplesPerPixel(spp),
 //!     ..Settings::new(method)
 //! };
 //! let reference = render(&scene, &settings(Method::Bdpt, 64), &Unobserved)?.image;
 //! let variants = [Method::Path, Method::Bdpt].map(|method| Variant {
-//!     label: method.name().into(),
 //!     settings: settings(method, 8),
+//!     ..Variant::new(method)
 //! });
-//! let experiment = Experiment { scene: &scene, reference: &reference, variants: &variants, repeats: 2 };
+//! let mut experiment = Experiment {
+//!     scene: &mut scene,
+//!     reference: &reference,
+//!     variants: &variants,
+//!     repeats: 2,
+//! };
 //! let outcome = experiment.run(&Unobserved)?;
 //! assert!(outcome.measurements.iter().all(|m| m.error.relative_mse > 0.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

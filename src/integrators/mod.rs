@@ -40,7 +40,7 @@ use crate::path::Subpath;
 use crate::sampling::Sampler;
 use crate::scene::specular::Candidate;
 use crate::scene::{RayCounts, Scene};
-use crate::technique::PathContribution;
+use crate::technique::{PathContribution, TechniqueSet};
 
 /// A map from a point of the unit hypercube to splats (`PathSampler` of Mitsuba 0.6). Every light transport
 /// method here consists of a path sampler and a rule that chooses the points.
@@ -68,6 +68,26 @@ pub trait PathSampler: Sync {
         self.sample_paths(scene, sampler, workspace, |path| {
             splats.add(path.technique, path.splat());
         });
+    }
+}
+
+/// The path sampler that combines these techniques.
+impl PathSampler for TechniqueSet {
+    #[inline]
+    fn sample_paths<S: Sampler>(
+        &self,
+        scene: &Scene,
+        sampler: &mut S,
+        workspace: &mut Workspace,
+        visit: impl FnMut(PathContribution),
+    ) {
+        match self {
+            Self::Path => PathTracer.sample_paths(scene, sampler, workspace, visit),
+            Self::Light => LightTracer.sample_paths(scene, sampler, workspace, visit),
+            Self::Bidirectional => {
+                BidirectionalPathTracer.sample_paths(scene, sampler, workspace, visit);
+            }
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::math::{Rgb, luminance};
 use crate::sampling::IndependentSampler;
 use crate::sampling::seeds::Purpose;
 use crate::scene::test_scenes::{self, emitting};
-use crate::scene::{Casters, Material, Scene, Texture, TriangleMesh};
+use crate::scene::{Casters, ChainSearch, Material, Scene, Texture, TriangleMesh};
 use crate::statistics::Moments;
 use crate::technique::Technique;
 
@@ -108,7 +108,9 @@ fn deviations(fault: Option<Fault>, everywhere: bool) -> [f64; 3] {
     let mut without = scene();
     without.casters = Casters::none();
     let mut with = scene();
-    with.casters.set_everywhere(everywhere);
+    if everywhere {
+        with.casters.set_search(ChainSearch::Everywhere);
+    }
     let (expected, found) = fault::with(fault, || (sums(&without, 0), sums(&with, SAMPLES)));
     [
         z(&found.light, &expected.light),

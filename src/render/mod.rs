@@ -17,6 +17,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bootstrap;
 mod choice;
 mod clock;
 mod driver;
@@ -31,13 +32,14 @@ mod pssmlt;
 pub mod replay;
 pub mod sample_id;
 pub mod settings;
+mod specular;
 pub mod statistics;
 pub mod strategies;
 pub mod target;
 mod warnings;
 
 use crate::film::Image;
-use crate::integrators::{BidirectionalPathTracer, LightTracer, PathSampler, PathTracer};
+use crate::integrators::PathSampler;
 use crate::scene::Scene;
 
 pub use choice::{Choice, ChoiceReason, choose};
@@ -46,6 +48,7 @@ pub use plan::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
 pub use sample_id::{NonFinite, SampleId};
 pub use settings::{Budget, Integrator, MAX_CHAINS, Method, PssmltSettings, Settings};
+pub use specular::{SpecularChoice, choose_specular};
 pub use statistics::{MmltStatistics, MutationStatistics, PssmltStatistics, Statistics};
 pub use strategies::{Strategies, StrategiesError, TechniqueImages, strategies};
 pub use target::SplatTarget;
@@ -117,10 +120,8 @@ pub fn render(
     observer: &dyn Observer,
 ) -> Result<Rendering, rayon::ThreadPoolBuildError> {
     match &settings.integrator {
-        Integrator::Path => render_paths(scene, PathTracer, settings, observer),
-        Integrator::Light => render_paths(scene, LightTracer, settings, observer),
-        Integrator::Bdpt | Integrator::Pssmlt(_) => {
-            render_paths(scene, BidirectionalPathTracer, settings, observer)
+        Integrator::Path | Integrator::Light | Integrator::Bdpt | Integrator::Pssmlt(_) => {
+            render_paths(scene, settings.method().techniques(), settings, observer)
         }
         Integrator::Mmlt(method_settings) => run(settings, || {
             mmlt::render(scene, settings, method_settings, observer)

@@ -11,22 +11,22 @@
 //! and with the factor b/b_0 on the first the two sum to int F. So b is refined by all large steps until
 //! the end; the sums with c and with l are kept in two films.
 
-use std::sync::Mutex;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::bootstrap::bootstrap;
 use super::clock::Clock;
 use super::driver::{Driver, drive};
 use super::error::{ErrorEstimate, GroupWork, Groups, TargetError};
 use super::target::SplatTarget;
 use super::{
-    Budget, NonFinite, Observer, PssmltSettings, PssmltStatistics, Rendering, SampleId, Settings,
+    NonFinite, Observer, PssmltSettings, PssmltStatistics, Rendering, SampleId, Settings,
     Statistics, pixel_count, warnings,
 };
 use crate::film::{Image, Splat, SplatFilm, SplatLog};
 use crate::integrators::{PathSampler, SplatList};
-use crate::markov::{Bootstrap, BootstrapLimits, Chain, KelemenWeights, Mutations, Sample};
+use crate::markov::{Bootstrap, Chain, KelemenWeights, Mutations, Sample};
 use crate::math::color::{saturated, to_pixel};
 use crate::sampling::seeds;
 use crate::scene::{RayCounts, Scene};
@@ -40,12 +40,6 @@ const BLOCK: u64 = 1 << 16;
 
 /// Minimum number of batches run in parallel, if there are as many chains.
 const MIN_WORKERS: u64 = 64;
-
-/// The bootstrap continues until b has this relative standard error, within its limits.
-const BOOTSTRAP_ERROR: f64 = 0.01;
-
-/// Bounds on the number of bootstrap samples, unless the settings give the number.
-const BOOTSTRAP_SAMPLES: [u64; 2] = [1 << 17, 1 << 22];
 
 /// Renders the paths of `path_sampler` by Markov chains.
 pub(super) fn render<P: PathSampler + Copy + Send>(
@@ -106,59 +100,6 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
     let target = TargetError::new(settings, pixels);
     drive(&mut driver, &mut clock, target);
     driver.finish(settings, method_settings, &clock)
-}
-
-/// Takes bootstrap samples, and counts their rays.
-fn bootstrap<'a, P: PathSampler>(
-    target: impl Fn() -> SplatTarget<'a, P> + Sync,
-    pixels: u64,
-    settings: &Settings,
-    method_settings: &PssmltSettings,
-    start: Instant,
-    observer: &dyn Observer,
-) -> (Bootstrap, RayCounts) {
-    let limits = bootstrap_limits(method_settings.bootstrap, settings.budget, pixels);
-    // The bootstrap may take a tenth of a time budget, or half of it if the settings give its size.
-    let deadline = match (settings.budget, method_settings.bootstrap) {
-        (Budget::Seconds(seconds), None) => 0.1 * seconds,
-        (Budget::Seconds(seconds), Some(_)) => 0.5 * seconds,
-        (Budget::SamplesPerPixel(_) | Budget::Unlimited, _) => f64::INFINITY,
-    };
-    let rays = Mutex::new(RayCounts::default());
-    let bootstrap = Bootstrap::run(
-        settings.seed,
-        limits,
-        target,
-        |target| {
-            if let Ok(mut rays) = rays.lock() {
-                *rays += target.rays();
-            }
-        },
-        |done| {
-            observer.progress(done as f64 / limits.at_most as f64, None);
-            done > 0 && start.elapsed().as_secs_f64() > deadline || observer.interrupted()
-        },
-    );
-    (bootstrap, rays.into_inner().unwrap_or_default())
-}
-
-fn bootstrap_limits(samples: Option<u64>, budget: Budget, pixels: u64) -> BootstrapLimits {
-    let [min, max] = BOOTSTRAP_SAMPLES;
-    let (at_least, at_most, relative_error) = match (samples, budget) {
-        (Some(n), _) => (n, n, 0.0),
-        (None, Budget::Seconds(_) | Budget::Unlimited) => (min, max, BOOTSTRAP_ERROR),
-        (None, Budget::SamplesPerPixel(n)) => {
-            // At most an eighth of the number of mutations, because large steps refine b as well, but
-            // enough samples to start from.
-            let max = (n.saturating_mul(pixels) / 8).clamp(min, max);
-            (min, max, BOOTSTRAP_ERROR)
-        }
-    };
-    BootstrapLimits {
-        at_least,
-        at_most,
-        relative_error,
-    }
 }
 
 /// The state of a render: the chains and their films.

@@ -1,19 +1,17 @@
 //! Replay of a single sample of a render, with its subpaths and the contributions of its techniques.
 
 use super::pixel_sampler::PixelSamples;
-use super::{Integrator, MAX_CHAINS, Method, SampleId, Settings};
-use crate::integrators::{
-    BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
-};
+use super::{Integrator, MAX_CHAINS, SampleId, Settings};
+use crate::integrators::{PathSampler, SplatList, Workspace};
 use crate::markov::{Chain, Mutations, Target, bootstrap};
 use crate::sampling::{Sampler, seeds};
 use crate::scene::Scene;
-use crate::technique::PathContribution;
+use crate::technique::{PathContribution, TechniqueSet};
 
 /// A replayed sample.
 pub struct Replay<'a> {
     scene: &'a Scene,
-    method: Method,
+    techniques: TechniqueSet,
     /// The subpaths.
     pub workspace: Workspace,
     /// The contributions of all techniques that found light.
@@ -52,7 +50,7 @@ impl<'a> Replay<'a> {
         let method = settings.method();
         let mut replay = Self {
             scene,
-            method,
+            techniques: method.techniques(),
             workspace: Workspace::default(),
             contributions: Vec::new(),
         };
@@ -93,24 +91,14 @@ impl<'a> Replay<'a> {
     }
 
     fn sample<S: Sampler>(&mut self, sampler: &mut S) {
-        match self.method {
-            Method::Path => self.sample_paths(PathTracer, sampler),
-            Method::Light => self.sample_paths(LightTracer, sampler),
-            Method::Bdpt | Method::Pssmlt | Method::Mmlt => {
-                self.sample_paths(BidirectionalPathTracer, sampler);
-            }
-        }
-    }
-
-    fn sample_paths<S: Sampler>(&mut self, path_sampler: impl PathSampler, sampler: &mut S) {
         let Self {
             scene,
+            techniques,
             workspace,
             contributions,
-            ..
         } = self;
         contributions.clear();
-        path_sampler.sample_paths(scene, sampler, workspace, |path| contributions.push(path));
+        techniques.sample_paths(scene, sampler, workspace, |path| contributions.push(path));
     }
 }
 

@@ -41,7 +41,7 @@ pub use geometry::{Geometry, RayCounts};
 pub use interaction::SurfacePoint;
 pub use light::{ChainEnd, EmissionSample, EmitterKind, Emitters, LightEvaluation, LightSample};
 pub use mesh::TriangleMesh;
-pub use specular::Casters;
+pub use specular::{Casters, ChainSearch};
 pub use texture::{Bitmap, Interpolation, Texture, Wrap};
 
 use glam::DVec3;

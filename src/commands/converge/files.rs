@@ -169,7 +169,9 @@ fn csv_table(variants: &[Variant], reference: &Image, outcome: &Outcome) -> csv:
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;
     for m in &outcome.measurements {
-        let Variant { label, settings } = &variants[m.variant];
+        let Variant {
+            label, settings, ..
+        } = &variants[m.variant];
         let (progress, error) = (&m.progress, &m.error);
         let numbers = [
             progress.seconds,

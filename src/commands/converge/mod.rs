@@ -7,7 +7,7 @@ mod sweep;
 use std::path::PathBuf;
 
 use metrolight::convergence::{Curve, Experiment, Variant};
-use metrolight::render::{Budget, Method, Settings, Warning};
+use metrolight::render::{Budget, Method, Warning};
 use miette::{IntoDiagnostic, bail};
 
 use self::files::{Files, Results};
@@ -82,7 +82,7 @@ pub struct Args {
     reference_effort: u64,
 
     /// Measure several values of one option: large-step-probability, chains, bootstrap, threads,
-    /// small-step, threshold, direct (separate, joint) or importance-map (on, off)
+    /// small-step, threshold, direct (separate, joint), importance-map (on, off) or specular (auto, on, everywhere, off)
     #[arg(long, value_name = "OPTION=V1,V2,...", value_parser = sweep::sweep)]
     sweep: Option<Sweep>,
 
@@ -102,9 +102,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let variants = args.variants()?;
     let files = Files::prepare(&args.output, &variants)?;
     interrupt::listen()?;
-    let opened = args.scene.open()?;
+    let mut opened = args.scene.open(args.run.threads)?;
     warn(&opened.warnings);
-    warn(lost(&opened, &variants));
+    warn(lost(&mut opened, &variants));
     let progress = args.run.progress();
 
     // Read or render the reference.
@@ -126,8 +126,8 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     }
 
     // Measure.
-    let experiment = Experiment {
-        scene: &opened.scene,
+    let mut experiment = Experiment {
+        scene: &mut opened.scene,
         reference: &reference.image,
         variants: &variants,
         repeats: args.repeats,
@@ -167,12 +167,18 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
 }
 
 /// Warnings of light that an integrator cannot find: it is part of the error if the reference has it.
-fn lost(opened: &Opened, variants: &[Variant]) -> Vec<String> {
+fn lost(opened: &mut Opened, variants: &[Variant]) -> Vec<String> {
+    let usual = opened.scene.casters.search();
     let mut lines = Vec::new();
-    for Variant { label, settings } in variants {
-        let lost = opened.lost_light(settings.method().techniques());
-        lines.extend(lost.iter().map(|lost| format!("{label}: {lost}")));
+    for variant in variants {
+        opened
+            .scene
+            .casters
+            .set_search(variant.search.unwrap_or(usual));
+        let lost = opened.lost_light(variant.settings.method().techniques());
+        lines.extend(lost.iter().map(|lost| format!("{}: {lost}", variant.label)));
     }
+    opened.scene.casters.set_search(usual);
     lines
 }
 
@@ -205,24 +211,13 @@ impl Args {
         let mut variants = Vec::new();
         for &name in &self.integrators {
             let method = name.0;
-            let settings = Settings {
-                budget: self.budget(),
-                seed: self.seed,
-                threads: self.run.threads,
-                ..Settings::new(method)
-            };
+            let mut variant = Variant::new(method);
+            variant.settings.budget = self.budget();
+            variant.settings.seed = self.seed;
+            variant.settings.threads = self.run.threads;
             match &self.sweep {
-                Some(sweep) if sweep.applies_to(method) => {
-                    let swept = sweep.apply(&settings).into_iter();
-                    variants.extend(swept.map(|(value, settings)| Variant {
-                        label: format!("{name} {} {value}", sweep.name()),
-                        settings,
-                    }));
-                }
-                _ => variants.push(Variant {
-                    label: name.to_string(),
-                    settings,
-                }),
+                Some(sweep) if sweep.applies_to(method) => variants.extend(sweep.apply(&variant)),
+                _ => variants.push(variant),
             }
         }
         if let Some(sweep) = &self.sweep

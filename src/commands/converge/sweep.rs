@@ -1,10 +1,11 @@
 //! An option of the integrators that takes several values in turn.
 
 use clap::ValueEnum;
+use metrolight::convergence::Variant;
 use metrolight::markov::Perturbation;
-use metrolight::render::{Integrator, Method, Settings};
+use metrolight::render::{Integrator, Method};
 
-use crate::commands::names::DirectName;
+use crate::commands::names::{DirectName, SpecularName};
 use crate::commands::values;
 
 /// An option and its values. Such an option changes the variance of an image but not its mean.
@@ -26,6 +27,7 @@ enum Value {
     Threshold(f32),
     Direct(DirectName),
     ImportanceMap(bool),
+    Specular(SpecularName),
 }
 
 impl Value {
@@ -39,19 +41,25 @@ impl Value {
             "threshold" => values::threshold(text).map(Self::Threshold),
             "direct" => direct(text).map(Self::Direct),
             "importance-map" => switch(text).map(Self::ImportanceMap),
+            "specular" => specular(text).map(Self::Specular),
             _ => Err(
                 "expected an option and its values, such as large-step-probability=0.1,0.3; other \
-                 options are chains, bootstrap, threads, small-step, threshold, direct and \
-                 importance-map"
+                 options are chains, bootstrap, threads, small-step, threshold, direct, \
+                 importance-map and specular"
                     .into(),
             ),
         }
     }
 
-    /// Sets the option in `settings`; false if their integrator does not have it.
-    fn set(self, settings: &mut Settings) -> bool {
+    /// Sets the option in `variant`; false if its integrator does not have it.
+    fn set(self, variant: &mut Variant) -> bool {
+        let settings = &mut variant.settings;
         match (self, &mut settings.integrator) {
             (Self::Threads(n), _) => settings.threads = Some(n),
+            (
+                Self::Specular(name),
+                Integrator::Path | Integrator::Bdpt | Integrator::Pssmlt(_) | Integrator::Mmlt(_),
+            ) => variant.search = name.search(),
             (Self::LargeStepProbability(p), Integrator::Pssmlt(own)) => {
                 own.large_step_probability = p;
             }
@@ -82,6 +90,10 @@ fn direct(text: &str) -> Result<DirectName, String> {
     DirectName::from_str(text, false).map_err(|_| "expected separate or joint".into())
 }
 
+fn specular(text: &str) -> Result<SpecularName, String> {
+    SpecularName::from_str(text, false).map_err(|_| "expected auto, on, everywhere or off".into())
+}
+
 /// The value parser of `--sweep`.
 pub fn sweep(text: &str) -> Result<Sweep, String> {
     let (name, list) = text.split_once('=').unwrap_or((text, ""));
@@ -106,17 +118,21 @@ impl Sweep {
 
     /// True if the integrator has the option.
     pub fn applies_to(&self, method: Method) -> bool {
-        let mut settings = Settings::new(method);
+        let mut variant = Variant::new(method);
         let mut values = self.values.iter();
-        values.all(|(_, value)| value.set(&mut settings))
+        values.all(|(_, value)| value.set(&mut variant))
     }
 
-    /// Each value as text, and `settings` with it.
-    pub fn apply(&self, settings: &Settings) -> Vec<(String, Settings)> {
+    /// `variant` with each value.
+    pub fn apply(&self, variant: &Variant) -> Vec<Variant> {
         let with = |(text, value): &(String, Value)| {
-            let mut settings = settings.clone();
-            value.set(&mut settings);
-            (text.clone(), settings)
+            let label = format!("{} {} {text}", variant.label, self.name);
+            let mut variant = Variant {
+                label,
+                ..variant.clone()
+            };
+            value.set(&mut variant);
+            variant
         };
         self.values.iter().map(with).collect()
     }
@@ -124,15 +140,17 @@ impl Sweep {
 
 #[cfg(test)]
 mod tests {
+    use metrolight::scene::ChainSearch;
+
     use super::*;
 
     #[test]
     fn values_are_those_of_the_option() {
         let parsed = sweep("large-step-probability=0.05,0.3").unwrap();
-        let settings = parsed.apply(&Settings::new(Method::Pssmlt));
-        assert_eq!(settings[0].0, "0.05");
-        let Integrator::Pssmlt(own) = &settings[1].1.integrator else {
-            panic!("not pssmlt: {settings:?}");
+        let variants = parsed.apply(&Variant::new(Method::Pssmlt));
+        assert_eq!(variants[0].label, "pssmlt large-step-probability 0.05");
+        let Integrator::Pssmlt(own) = &variants[1].settings.integrator else {
+            panic!("not pssmlt: {variants:?}");
         };
         assert_eq!(own.large_step_probability, 0.3);
         assert!(!parsed.applies_to(Method::Bdpt));
@@ -140,20 +158,26 @@ mod tests {
         let steps = sweep("small-step=log:0.001:0.01,gaussian:0.02").unwrap();
         assert!(steps.applies_to(Method::Mmlt));
         assert!(!steps.applies_to(Method::Bdpt));
-        let settings = steps.apply(&Settings::new(Method::Mmlt));
-        assert_eq!(settings[1].0, "gaussian:0.02");
-        let Integrator::Mmlt(own) = &settings[0].1.integrator else {
-            panic!("not mmlt: {settings:?}");
+        let variants = steps.apply(&Variant::new(Method::Mmlt));
+        assert_eq!(variants[1].label, "mmlt small-step gaussian:0.02");
+        let Integrator::Mmlt(own) = &variants[0].settings.integrator else {
+            panic!("not mmlt: {variants:?}");
         };
         assert_eq!(own.small_step, Perturbation::new(0.001, 0.01));
         let direct = sweep("direct=separate,joint").unwrap();
-        let settings = direct.apply(&Settings::new(Method::Mmlt));
-        assert_eq!(settings[1].0, "joint");
-        let Integrator::Mmlt(own) = &settings[1].1.integrator else {
-            panic!("not mmlt: {settings:?}");
+        let variants = direct.apply(&Variant::new(Method::Mmlt));
+        assert_eq!(variants[1].label, "mmlt direct joint");
+        let Integrator::Mmlt(own) = &variants[1].settings.integrator else {
+            panic!("not mmlt: {variants:?}");
         };
         assert!(!own.separate_direct);
+        let chains = sweep("specular=auto,off").unwrap();
+        assert!(!chains.applies_to(Method::Light));
+        let variants = chains.apply(&Variant::new(Method::Bdpt));
+        assert_eq!(variants[0].search, None);
+        assert_eq!(variants[1].search, Some(ChainSearch::Off));
         for text in [
+            "specular=some",
             "",
             "chains",
             "chains=",

@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         .num_threads(args.threads.unwrap_or(0))
         .build_global()
         .into_diagnostic()?;
-    let mut opened = args.scene.open()?;
+    let mut opened = args.scene.open(args.threads)?;
     warn(&opened.warnings);
     let method = Method::from(args.integrator);
     warn(opened.lost_light(method.techniques()));

@@ -88,7 +88,7 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
             "--max-depth -1: each path length has its own techniques, so a limit is needed, such as 5"
         );
     }
-    let opened = args.scene.open()?;
+    let opened = args.scene.open(args.run.threads)?;
     let settings = Settings {
         budget: Budget::SamplesPerPixel(args.spp),
         seed: args.seed,

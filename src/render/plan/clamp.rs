@@ -59,9 +59,10 @@ pub struct Clamp {
     unclamped_edges: usize,
     /// e of (2).
     pub energy: f64,
-    /// (3) without chains (infinite tau) over (3) with them. Its square is the expected ratio of errors at
-    /// equal time.
-    pub gain: f64,
+    /// (3) with chains. Its square is proportional to the error at equal time.
+    pub score: f64,
+    /// (3) without chains: infinite tau.
+    pub unclamped_score: f64,
 }
 
 impl Clamp {
@@ -83,19 +84,28 @@ impl Clamp {
                 0
             },
             energy: 1.0,
-            gain: 1.0,
+            score: 0.0,
+            unclamped_score: 0.0,
         };
         let moments = Moments::new(&clamp, pilot);
-        let unclamped = moments.score(f64::INFINITY);
+        clamp.unclamped_score = moments.score(f64::INFINITY);
         let best = match settings.threshold {
             Some(threshold) => f64::from(threshold),
             None => moments.best(),
         };
         clamp.threshold = best as f32;
         clamp.energy = moments.energy(best);
-        let best = moments.score(best);
-        clamp.gain = if best > 0.0 { unclamped / best } else { 1.0 };
+        clamp.score = moments.score(best);
         clamp
+    }
+
+    /// Expected error without chains over that with them, at equal time.
+    pub fn gain(&self) -> f64 {
+        if self.score > 0.0 {
+            (self.unclamped_score / self.score).powi(2)
+        } else {
+            1.0
+        }
     }
 
     /// Divides the weighted contribution of a path of `edges` edges into the clamped part and the residual.
@@ -150,7 +160,7 @@ struct Moments {
     /// Number of samples of the pilot.
     samples: f64,
     /// c_p.
-    rays: f64,
+    cost: f64,
 }
 
 impl Moments {
@@ -169,7 +179,7 @@ impl Moments {
             clampable,
             rest,
             samples,
-            rays: pilot.rays.total() as f64 / samples,
+            cost: pilot.cost / samples,
         }
     }
 
@@ -187,14 +197,14 @@ impl Moments {
 
     /// (3).
     fn score(&self, threshold: f64) -> f64 {
-        let independent = (self.second_moment(threshold) * self.rays).sqrt();
+        let independent = (self.second_moment(threshold) * self.cost).sqrt();
         independent + (CORRELATION * RAYS_PER_MUTATION).sqrt() * self.residual(threshold)
     }
 
     /// The energy of a mutation that minimises (2).
     fn energy(&self, threshold: f64) -> f64 {
         let second_moment = self.second_moment(threshold);
-        let energy = (second_moment * RAYS_PER_MUTATION / (CORRELATION * self.rays)).sqrt();
+        let energy = (second_moment * RAYS_PER_MUTATION / (CORRELATION * self.cost)).sqrt();
         // Without light in the pilot there is nothing to optimise.
         if energy > 0.0 { energy } else { 1.0 }
     }
@@ -233,10 +243,8 @@ mod tests {
         Pilot {
             samples: n,
             found: (0..n).map(found).collect(),
-            rays: RayCounts {
-                closest_hit: 8 * n,
-                shadow: 8 * n,
-            },
+            rays: RayCounts::default(),
+            cost: 16.0 * n as f64,
         }
     }
 
@@ -280,10 +288,10 @@ mod tests {
     #[test]
     fn chains_reduce_the_error_if_few_paths_have_much_light() {
         let even = clamp(&pilot(1 << 14, |_| 1.0));
-        assert!((even.gain - 1.0).abs() < 1e-3, "{}", even.gain);
+        assert!((even.gain() - 1.0).abs() < 1e-3, "{}", even.gain());
         let rare = |i: u64| if i.is_multiple_of(1000) { 1000.0 } else { 1.0 };
         let uneven = clamp(&pilot(1 << 14, rare));
-        assert!(uneven.gain > 2.0, "{}", uneven.gain);
+        assert!(uneven.gain() > 2.0, "{}", uneven.gain());
         assert!(
             (1.0..400.0).contains(&uneven.threshold),
             "{}",
@@ -299,7 +307,7 @@ mod tests {
                 ..MmltSettings::default()
             };
             let dark = Clamp::new([64, 48], &pilot(1 << 12, |_| 0.0), &settings);
-            assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain == 1.0);
+            assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain() == 1.0);
             let [clamped, residual] = dark.split(5, grey(1.0, [0.5, 0.5]));
             assert_eq!(clamped.value.x + residual.value.x, 1.0);
         }

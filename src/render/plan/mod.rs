@@ -58,7 +58,7 @@ impl Plan {
         method_settings: &MmltSettings,
         is_over: impl Fn() -> bool,
     ) -> Self {
-        let pilot = Pilot::run(scene, seed, is_over);
+        let pilot = Pilot::run(scene, seed, pilot::MAX_SAMPLES, is_over);
         let size = [scene.film.width, scene.film.height];
         Self {
             clamp: Clamp::new(size, &pilot, method_settings),

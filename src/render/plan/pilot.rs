@@ -17,8 +17,8 @@ const TASK: u64 = 256;
 /// Samples between two checks of the clock.
 const BATCH: u64 = 1 << 12;
 
-/// Maximum number of samples.
-const MAX_SAMPLES: u64 = 1 << 15;
+/// Maximum number of samples of a plan.
+pub const MAX_SAMPLES: u64 = 1 << 15;
 
 /// A path that carries light.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +38,15 @@ pub struct Pilot {
     pub found: Vec<Found>,
     /// Rays traced.
     pub rays: RayCounts,
+    /// Cost of all samples, in rays.
+    pub cost: f64,
 }
 
 impl Pilot {
-    /// Samples `scene`. The pilot ends early when `is_over` returns true.
-    pub fn run(scene: &Scene, seed: u64, is_over: impl Fn() -> bool) -> Self {
+    /// Takes at most `max_samples` of `scene`. The pilot ends early when `is_over` returns true.
+    pub fn run(scene: &Scene, seed: u64, max_samples: u64, is_over: impl Fn() -> bool) -> Self {
         let mut pilot = Self::default();
-        while pilot.samples < MAX_SAMPLES && (pilot.samples == 0 || !is_over()) {
+        while pilot.samples < max_samples && (pilot.samples == 0 || !is_over()) {
             let first = pilot.samples;
             let task = |i: u64| {
                 let start = first + i * TASK;
@@ -57,6 +59,7 @@ impl Pilot {
             }
             pilot.samples += BATCH;
         }
+        pilot.cost = pilot.rays.cost(scene.casters.search_cost());
         pilot
     }
 }

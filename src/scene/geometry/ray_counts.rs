@@ -12,17 +12,14 @@ pub struct RayCounts {
 }
 
 impl RayCounts {
-    /// Rays that cost as much as a search for chains, on the scenes of the repository.
-    const RAYS_PER_SEARCH: f64 = 12.0;
-
     /// All rays.
     pub fn total(&self) -> u64 {
         self.closest_hit + self.shadow
     }
 
-    /// Cost of all rays and searches, in rays.
-    pub fn cost(&self) -> f64 {
-        self.total() as f64 + Self::RAYS_PER_SEARCH * self.chain_searches as f64
+    /// Cost of all rays and searches, in rays; a search costs `search` rays.
+    pub fn cost(&self, search: f64) -> f64 {
+        self.total() as f64 + search * self.chain_searches as f64
     }
 }
 

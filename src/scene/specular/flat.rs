@@ -178,6 +178,10 @@ impl FlatCaster {
         bounding_sphere(self.faces.iter().flat_map(|face| face.triangles.iter()))
     }
 
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
     /// Maximum length of its chains.
     pub fn max_length(&self) -> usize {
         if self.faces.len() == 1 { 1 } else { MAX_LENGTH }

@@ -67,7 +67,20 @@ pub struct Casters {
     /// In the order of their shapes.
     casters: Vec<Caster>,
     max_length: usize,
-    everywhere: bool,
+    search: ChainSearch,
+}
+
+/// The vertices from which bidirectional methods seek chains. Path tracing seeks them from every vertex unless they
+/// are off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChainSearch {
+    /// None.
+    Off,
+    /// Those that no other technique connects.
+    #[default]
+    Unconnected,
+    /// All.
+    Everywhere,
 }
 
 impl Casters {
@@ -118,7 +131,7 @@ impl Casters {
         Self {
             casters,
             max_length,
-            everywhere: false,
+            search: ChainSearch::default(),
         }
     }
 
@@ -127,21 +140,26 @@ impl Casters {
         Self::default()
     }
 
-    /// True if no shape reflects or refracts without roughness.
+    /// True if no chain is sought: no shape reflects or refracts without roughness, or the search is off.
     pub fn is_empty(&self) -> bool {
-        self.casters.is_empty()
+        self.casters.is_empty() || self.search == ChainSearch::Off
     }
 
-    /// True if bidirectional methods seek chains from every vertex, false if only from those where no other
-    /// technique connects the path.
+    /// The vertices from which chains are sought.
+    #[inline]
+    pub fn search(&self) -> ChainSearch {
+        self.search
+    }
+
+    /// Sets [`Self::search`].
+    pub fn set_search(&mut self, search: ChainSearch) {
+        self.search = search;
+    }
+
+    /// True if bidirectional methods seek chains from every vertex.
     #[inline]
     pub fn everywhere(&self) -> bool {
-        self.everywhere
-    }
-
-    /// Sets [`Self::everywhere`].
-    pub fn set_everywhere(&mut self, everywhere: bool) {
-        self.everywhere = everywhere;
+        self.search == ChainSearch::Everywhere
     }
 
     /// Maximum number of vertices of a chain; 0 without casters.
@@ -197,9 +215,21 @@ impl Casters {
         candidates
     }
 
-    /// Maximum number of vertices of the chains that are found on a shape; 0 if it is no caster.
+    /// Maximum number of vertices of the chains that are sought on a shape; 0 if it is no caster.
     pub fn max_length_on(&self, shape: u32) -> usize {
+        if self.is_empty() {
+            return 0;
+        }
         self.on_shape(shape).map_or(0, Caster::max_length)
+    }
+
+    /// Cost of a search for chains, in rays, as measured on the scenes of the repository.
+    pub fn search_cost(&self) -> f64 {
+        let cost = |caster: &Caster| match caster {
+            Caster::Mesh(_) | Caster::Sphere(_) => 15.0,
+            Caster::Flat(flat) => 1.2 * (flat.face_count() as f64).powi(2),
+        };
+        self.casters.iter().map(cost).sum()
     }
 
     /// Centre and radius of a sphere around all casters; `None` without casters.
