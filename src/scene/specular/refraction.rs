@@ -15,7 +15,7 @@ const AT_EDGE: f64 = 1e-6 * crate::scene::SCENE_RADIUS as f64;
 const MIN_STEP: f64 = 1e-11 * crate::scene::SCENE_RADIUS as f64;
 
 /// Maximum number of Newton steps.
-const STEPS: usize = 16;
+const STEPS: usize = 64;
 
 /// The point of a plane where light from `start` is refracted toward `end`; `None` if they are on one side.
 pub fn refract_once(
@@ -62,7 +62,7 @@ pub fn refract_once(
             };
             let (mut low, mut high) = (0.0, length);
             let mut x = length * start_height / (start_height + end_height);
-            for _ in 0..3 * STEPS {
+            for _ in 0..STEPS {
                 let (value, slope) = f(x);
                 if value > 0.0 {
                     high = x;
