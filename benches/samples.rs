@@ -13,7 +13,7 @@ use metrolight::render::SplatTarget;
 use metrolight::sampling::IndependentSampler;
 use metrolight::sampling::seeds::{self, Purpose};
 use metrolight::scene::bsdf::MicrofacetDistribution;
-use metrolight::scene::{Material, Scene, Texture, TransportMode};
+use metrolight::scene::{Material, MaterialContext, Roughness, Scene, Texture, TransportMode};
 
 fn load(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}/scene.xml"));
@@ -68,7 +68,7 @@ fn bsdfs(c: &mut Criterion) {
             "roughconductor",
             Material::RoughConductor {
                 distribution: ggx,
-                alpha: 0.2,
+                roughness: Roughness::Constant(0.2),
                 eta,
                 k,
                 specular_reflectance: 0,
@@ -86,7 +86,7 @@ fn bsdfs(c: &mut Criterion) {
             "roughdielectric",
             Material::RoughDielectric {
                 distribution: ggx,
-                alpha: 0.2,
+                roughness: Roughness::Constant(0.2),
                 eta: 1.5,
                 specular_reflectance: 0,
                 specular_transmittance: 0,
@@ -99,6 +99,7 @@ fn bsdfs(c: &mut Criterion) {
         ),
     ];
     let mut group = c.benchmark_group("bsdf");
+    let context = MaterialContext::on_plane(&textures, Vec2::ZERO);
     let from = Vec3A::new(0.3, -0.4, 0.8).normalize();
     let to = Vec3A::new(-0.5, 0.2, 0.7).normalize();
     for (name, material) in &materials {
@@ -106,12 +107,11 @@ fn bsdfs(c: &mut Criterion) {
             let u = Vec2::new(0.37, 0.61);
             bencher.iter(|| {
                 let (from, u) = (black_box(from), black_box(u));
-                material.sample(&textures, u, from, TransportMode::Radiance, 0.4, u)
+                material.sample(&context, from, TransportMode::Radiance, 0.4, u)
             });
         });
         group.bench_function(format!("{name} evaluate"), |bencher| {
-            bencher
-                .iter(|| material.evaluate(&textures, Vec2::ZERO, black_box(to), black_box(from)));
+            bencher.iter(|| material.evaluate(&context, black_box(to), black_box(from)));
         });
     }
     group.finish();

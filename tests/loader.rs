@@ -5,6 +5,8 @@
 mod errors;
 #[path = "loader/images.rs"]
 mod images;
+#[path = "loader/materials.rs"]
+mod materials;
 #[path = "loader/meshes.rs"]
 mod meshes;
 #[path = "loader/robustness.rs"]
@@ -17,7 +19,7 @@ use glam::{DMat4, DVec3, Vec3A};
 use metrolight::film::Filter;
 use metrolight::mitsuba::{LoadError, Loaded, Overrides, load, load_with};
 use metrolight::scene::{
-    DepthLimits, EmitterDescription, Material, SceneDescription, ShapeGeometry, Texture,
+    DepthLimits, EmitterDescription, Material, Roughness, SceneDescription, ShapeGeometry, Texture,
 };
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -125,11 +127,11 @@ fn every_supported_plugin_is_loaded() {
         panic!("{:?}", material(3));
     };
     assert!((eta - 2.418_33).abs() < 1e-5);
-    let Material::RoughDielectric { eta, alpha, .. } = material(4) else {
+    let Material::RoughDielectric { eta, roughness, .. } = material(4) else {
         panic!("{:?}", material(4));
     };
     assert!((eta - 1.504_183_3).abs() < 1e-6);
-    assert_eq!(*alpha, 1e-4);
+    assert_eq!(*roughness, Roughness::Constant(1e-4));
     let ShapeGeometry::Sphere { center, radius } = shape(5).geometry else {
         panic!("{:?}", shape(5).geometry);
     };
@@ -211,10 +213,14 @@ fn defaults_match_mitsuba() {
     assert_eq!((albedo(0), albedo(1)), (0.5, 0.0));
     assert_eq!(scene.shapes[1].emission, Some(Vec3A::ONE));
     let rough = &scene.materials[scene.shapes[2].material as usize];
-    let Material::RoughConductor { alpha, eta, k, .. } = rough else {
+    let Material::RoughConductor {
+        roughness, eta, k, ..
+    } = rough
+    else {
         panic!("{rough:?}");
     };
-    assert_eq!((*alpha, *eta, *k), (0.1, Vec3A::ZERO, Vec3A::ONE));
+    assert_eq!(*roughness, Roughness::Constant(0.1));
+    assert_eq!((*eta, *k), (Vec3A::ZERO, Vec3A::ONE));
     let EmitterDescription::Point { intensity, .. } = scene.emitters[0] else {
         panic!("{:?}", scene.emitters);
     };

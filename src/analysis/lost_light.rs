@@ -218,15 +218,63 @@ fn first_non_specular(
     for _ in 0..MAX_SPECULAR_BOUNCES {
         let surface = scene.geometry.intersect(&ray, &mut counts)?;
         let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
-        if material.is_connectible() {
-            return Some(Hit {
-                surface,
-                direction: ray.direction,
-                specular,
-            });
+        let scatters = material.is_connectible();
+        let hit = |specular| Hit {
+            surface,
+            direction: ray.direction,
+            specular,
+        };
+        if scatters && !material.has_openings() {
+            return Some(hit(specular));
+        }
+        let (sample, next) = scattered(scene, &surface, -ray.direction, mode, rng)?;
+        if scatters && !sample.delta {
+            return Some(hit(specular));
         }
         specular.push(surface.shape);
-        (_, ray) = scattered(scene, &surface, -ray.direction, mode, rng)?;
+        ray = next;
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat4, DVec3};
+
+    use super::*;
+    use crate::math::Rgb;
+    use crate::scene::test_scenes::{description, mesh};
+    use crate::scene::{EmitterDescription, Material, Texture, TriangleMesh};
+
+    /// A floor under a point light, and a mask between them.
+    #[test]
+    fn light_through_the_openings_of_a_mask_is_lost_to_path_tracing() {
+        let lost = |opacity: f32, techniques| {
+            let plate = |z: f64| {
+                let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, z));
+                mesh(TriangleMesh::rectangle(), to_world)
+            };
+            let mut shapes = vec![plate(0.0), plate(1.0)];
+            shapes[1].material = 1;
+            let light = EmitterDescription::Point {
+                position: DVec3::new(0.0, 0.0, 2.0),
+                intensity: Rgb::ONE,
+            };
+            let mut description = description(shapes, vec![light]);
+            description
+                .textures
+                .push(Texture::Constant(Rgb::splat(opacity)));
+            description.materials.push(Material::Mask {
+                opacity: 1,
+                covered: Box::new(Material::Diffuse { reflectance: 0 }),
+            });
+            let scene = description.build().expect("a valid scene");
+            lost_light(&scene, techniques)
+        };
+        let [light] = &lost(0.5, TechniqueSet::Path)[..] else {
+            panic!("no light is lost");
+        };
+        assert_eq!((light.loss, light.surfaces.len()), (Loss::Always, 1));
+        assert!(lost(1.0, TechniqueSet::Path).is_empty());
+    }
 }

@@ -40,7 +40,7 @@ pub(super) fn scattered(
     let material = &scene.materials[scene.geometry.material(surface.shape) as usize];
     let from = surface.shading.to_local(from);
     let (u_lobe, u) = (rng.random(), pair(rng));
-    let sample = material.sample(&scene.textures, surface.uv, from, mode, u_lobe, u)?;
+    let sample = material.sample(&scene.material_context(surface), from, mode, u_lobe, u)?;
     let direction = surface.shading.to_world(sample.direction);
     let ray = Ray {
         origin: surface.ray_origin(direction),

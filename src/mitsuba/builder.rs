@@ -26,6 +26,8 @@ pub struct Builder<'a> {
     pub materials: Vec<Material>,
     /// The textures of objects: index of the object to index of the texture.
     pub texture_of: HashMap<usize, u32>,
+    /// Why a texture is no reflectance: an image with values outside [0, 1]. By index of the texture.
+    pub out_of_range: HashMap<u32, LoadError>,
     /// The materials of objects: index of the object to index of the material.
     pub material_of: HashMap<usize, u32>,
     /// Surfaces.
@@ -45,6 +47,7 @@ impl<'a> Builder<'a> {
             textures: Vec::new(),
             materials: Vec::new(),
             texture_of: HashMap::new(),
+            out_of_range: HashMap::new(),
             material_of: HashMap::new(),
             shapes: Vec::new(),
             emitters: Vec::new(),

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::builder::{Builder, Overrides};
 use super::error::{Cause, LoadError, Located, Warning};
+use super::texture::Range;
 use super::xml::{Tag, Tree, Value};
 use super::{bsdf, emitter, integrator, sensor, shape, texture};
 use crate::scene::SceneDescription;
@@ -28,7 +29,7 @@ pub fn build(
         let is_repetition = !seen.insert(index);
         match object.tag {
             Tag::Bsdf => drop(bsdf::material(&mut builder, index)?),
-            Tag::Texture => drop(texture::texture(&mut builder, index)?),
+            Tag::Texture => drop(texture::texture(&mut builder, index, Range::Any)?),
             _ if is_repetition => {
                 let title = object.title();
                 return Err(property.conflict(format!("the {title} is already part of the scene")));

@@ -125,10 +125,10 @@ impl Vertex {
     ) -> Option<DirectionSample> {
         let surface = &self.surface;
         let previous = surface.shading.to_local(self.to_previous);
-        let (textures, uv) = (&scene.textures, surface.uv);
-        let bsdf =
-            self.material(scene)
-                .sample(textures, uv, previous, mode, u_lobe, u_direction)?;
+        let context = scene.material_context(surface);
+        let bsdf = self
+            .material(scene)
+            .sample(&context, previous, mode, u_lobe, u_direction)?;
         let direction = surface.shading.to_world(bsdf.direction);
         let cos = self.abs_cos(direction);
         let mut weight = bsdf.weight;
@@ -157,6 +157,7 @@ impl Vertex {
         let previous = surface.shading.to_local(self.to_previous);
         let next = surface.shading.to_local(direction);
         let material = self.material(scene);
+        let context = scene.material_context(surface);
         let cos = self.abs_cos(direction);
         match mode {
             TransportMode::Radiance => {
@@ -164,7 +165,7 @@ impl Vertex {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.evaluate(&scene.textures, surface.uv, next, previous);
+                } = material.evaluate(&context, next, previous);
                 Scatter {
                     value: f * next.z.abs(),
                     pdf_forward: pdf_to_light,
@@ -177,7 +178,7 @@ impl Vertex {
                     f,
                     pdf_to_light,
                     pdf_to_camera,
-                } = material.evaluate(&scene.textures, surface.uv, previous, next);
+                } = material.evaluate(&context, previous, next);
                 Scatter {
                     value: f * (cos * self.shading_over_geometric_cos(previous.z)),
                     pdf_forward: pdf_to_camera,

@@ -50,14 +50,18 @@ impl SceneDescription {
         for emitter in self.emitters {
             emitters.push(build_emitter(emitter, &units)?);
         }
-        let casters = Casters::new(&geometry, &self.materials);
+        let mut materials = self.materials;
+        for material in &mut materials {
+            material.scale_lengths(units.unit.recip() as f32);
+        }
+        let casters = Casters::new(&geometry, &materials);
         let emitters = Emitters::new(emitters, geometry.shape_count(), casters.bounds())?;
         Ok(Scene {
             camera,
             casters,
             emitters,
             geometry,
-            materials: self.materials,
+            materials,
             textures: self.textures,
             film: self.film,
             depth: self.depth,

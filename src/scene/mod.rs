@@ -30,7 +30,8 @@ pub(crate) mod test_scenes;
 
 pub use crate::bvh::Ray;
 pub use bsdf::{
-    BsdfEvaluation, BsdfSample, DeltaLobe, Material, MicrofacetDistribution, TransportMode,
+    BsdfEvaluation, BsdfSample, DeltaLobe, Material, MaterialContext, MicrofacetDistribution,
+    Roughness, TransportMode,
 };
 pub use camera::{Camera, LensSample};
 pub use description::{
@@ -77,6 +78,12 @@ pub struct Scene {
 const MAX_DISTANCE: f32 = 1e18;
 
 impl Scene {
+    /// What a material needs to know to scatter light at `surface`.
+    #[inline]
+    pub fn material_context<'a>(&'a self, surface: &'a SurfacePoint) -> MaterialContext<'a> {
+        MaterialContext::new(&self.textures, &self.geometry, surface)
+    }
+
     /// True if specular chains can be sought: there are casters, and emitters on which chains end.
     #[inline]
     pub fn has_chains(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use glam::{Affine2, IVec2, Vec2, Vec3A};
 
-use crate::math::Rgb;
+use crate::math::{Rgb, luminance};
 
 /// A colour as a function of texture coordinates.
 #[derive(Clone, Debug)]
@@ -34,6 +34,30 @@ impl TextureAt<'_> {
     #[inline]
     pub fn color(&self) -> Rgb {
         self.texture.evaluate(self.uv)
+    }
+
+    /// The luminance of the value: that of textures which stand for a number.
+    #[inline]
+    pub fn luminance(&self) -> f32 {
+        scalar(self.color())
+    }
+
+    /// Derivative of the luminance with respect to the texture coordinates.
+    pub fn gradient(&self) -> Vec2 {
+        match self.texture {
+            Texture::Constant(_) | Texture::Checkerboard { .. } => Vec2::ZERO,
+            Texture::Bitmap(bitmap) => bitmap.gradient(self.uv),
+        }
+    }
+}
+
+/// The luminance of a colour, exactly its value if it is grey.
+#[inline]
+fn scalar(color: Rgb) -> f32 {
+    if color.x == color.y && color.y == color.z {
+        color.x
+    } else {
+        luminance(color)
     }
 }
 
@@ -89,6 +113,18 @@ impl Texture {
                     *color1
                 }
             }
+        }
+    }
+
+    /// Maximum of each channel over all texture coordinates.
+    pub fn max(&self) -> Rgb {
+        match self {
+            Texture::Constant(color) => *color,
+            Texture::Bitmap(bitmap) => bitmap
+                .pixels
+                .iter()
+                .fold(Rgb::NEG_INFINITY, |max, pixel| max.max(*pixel)),
+            Texture::Checkerboard { color0, color1, .. } => color0.max(*color1),
         }
     }
 
@@ -151,6 +187,25 @@ impl Bitmap {
                 row(0).lerp(row(1), w.y)
             }
         }
+    }
+
+    /// Derivative of the luminance with respect to the texture coordinates; zero without interpolation.
+    fn gradient(&self, uv: Vec2) -> Vec2 {
+        if self.interpolation == Interpolation::Nearest {
+            return Vec2::ZERO;
+        }
+        let size = self.size.as_vec2();
+        let p = self.to_uv.transform_point2(uv) * size - Vec2::splat(0.5);
+        let corner = p.floor();
+        let w = p - corner;
+        let i = corner.as_ivec2();
+        let at = |dx, dy| scalar(self.pixel(i.saturating_add(IVec2::new(dx, dy))));
+        let [[a, b], [c, d]] = [[at(0, 0), at(1, 0)], [at(0, 1), at(1, 1)]];
+        let per_pixel = Vec2::new(
+            (b - a) * (1.0 - w.y) + (d - c) * w.y,
+            (c - a) * (1.0 - w.x) + (d - b) * w.x,
+        );
+        self.to_uv.matrix2.transpose() * (size * per_pixel)
     }
 
     #[inline]
@@ -311,6 +366,37 @@ mod tests {
             }
             assert!((texture.mean().x - 0.45).abs() < 1e-6);
         }
+    }
+
+    /// Central differences over a distance at which no pixel centre is crossed.
+    #[test]
+    fn gradients_are_derivatives() {
+        const STEP: f32 = 1e-3;
+        for wrap in [Repeat, Mirror, Clamp] {
+            for to_uv in [Affine2::IDENTITY, to_uv()] {
+                let texture = bitmap(Bilinear, wrap, to_uv);
+                for uv in UVS {
+                    let at = |uv| TextureAt {
+                        texture: &texture,
+                        uv,
+                    };
+                    let difference = |axis: Vec2| {
+                        let [a, b] = [-STEP, STEP].map(|h| at(uv + h * axis).luminance());
+                        (b - a) / (2.0 * STEP)
+                    };
+                    let expected = Vec2::new(difference(Vec2::X), difference(Vec2::Y));
+                    let error = (at(uv).gradient() - expected).abs().max_element();
+                    assert!(error < 2e-3, "{wrap:?} {uv}: {error}");
+                }
+            }
+        }
+        let nearest = bitmap(Nearest, Repeat, Affine2::IDENTITY);
+        let uv = Vec2::splat(0.4);
+        let at = TextureAt {
+            texture: &nearest,
+            uv,
+        };
+        assert_eq!(at.gradient(), Vec2::ZERO);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use metrolight::math::Rgb;
 use metrolight::render::Method::{Bdpt, Path, Pssmlt};
 use metrolight::scene::bsdf::metals;
 use metrolight::scene::{
-    EmitterDescription, Material, MicrofacetDistribution, Scene, ShapeDescription, Texture,
+    EmitterDescription, Material, MicrofacetDistribution, Roughness, Scene, ShapeDescription,
+    Texture,
 };
 
 use super::published::{
@@ -106,7 +107,7 @@ fn rough_metal(distribution: MicrofacetDistribution, alpha: f64, name: &'static 
     let facets = facets(distribution, alpha);
     let material = Material::RoughConductor {
         distribution,
-        alpha: alpha as f32,
+        roughness: Roughness::Constant(alpha as f32),
         eta,
         k,
         specular_reflectance: WHITE,
@@ -122,7 +123,7 @@ fn rough_glass(distribution: MicrofacetDistribution, alpha: f64, eta: f64) -> Ca
     let facets = facets(distribution, alpha);
     let material = Material::RoughDielectric {
         distribution,
-        alpha: alpha as f32,
+        roughness: Roughness::Constant(alpha as f32),
         eta: eta as f32,
         specular_reflectance: WHITE,
         specular_transmittance: WHITE,

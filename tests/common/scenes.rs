@@ -5,8 +5,8 @@ use metrolight::film::Filter;
 use metrolight::math::Rgb;
 use metrolight::scene::{
     CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material,
-    MicrofacetDistribution, Scene, SceneDescription, ShapeDescription, ShapeGeometry, Texture,
-    ThinLens, TriangleMesh,
+    MicrofacetDistribution, Roughness, Scene, SceneDescription, ShapeDescription, ShapeGeometry,
+    Texture, ThinLens, TriangleMesh,
 };
 
 /// A scene under construction: fields to fill in, and methods that add to them. By default it is empty,
@@ -114,7 +114,7 @@ impl SceneBuilder {
         let white = self.grey(1.0);
         self.material(Material::RoughDielectric {
             distribution,
-            alpha,
+            roughness: Roughness::Constant(alpha),
             eta,
             specular_reflectance: white,
             specular_transmittance: white,

@@ -393,14 +393,6 @@ fn contradictions_are_rejected() {
             "not both",
         ),
         (
-            bsdf(
-                "roughconductor",
-                r#"<float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"/>"#,
-            ),
-            "2:64",
-            "anisotropic",
-        ),
-        (
             bsdf("roughconductor", r#"<float name="alpha_u" value="0.1"/>"#),
             "2:1",
             "both of `alpha_u` and `alpha_v`",
@@ -503,11 +495,11 @@ fn images_with_invalid_values_are_rejected() {
     let pixels = [[128, 64, 0, 128], [128, 0, 0, 130]].concat();
     fs::write(&path, [header.as_slice(), &pixels].concat()).expect("a writable file");
     let name = path.display();
-    let texture =
-        format!(r#"<texture type="bitmap"><string name="filename" value="{name}"/></texture>"#);
+    let image = format!(r#"<string name="filename" value="{name}"/>"#);
+    let texture = format!(r#"<texture type="bitmap" name="reflectance">{image}</texture>"#);
     assert_fail(&[(
-        texture,
-        "2:24",
+        bsdf("diffuse", &texture),
+        "2:64",
         "pixel (1, 0) is (2, 0, 0); values must be between 0 and 1",
     )]);
     let sky =

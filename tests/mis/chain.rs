@@ -36,7 +36,7 @@ fn trace(scene: &Scene, start: &SurfacePoint, direction: Vec3A, lobes: &Lobes) -
         let material = &scene.materials[scene.geometry.material(point.shape) as usize];
         let local = point.shading.to_local(-direction);
         let mode = TransportMode::Radiance;
-        let sample = material.sample_delta(&scene.textures, point.uv, local, mode, lobe)?;
+        let sample = material.sample_delta(&scene.material_context(&point), local, mode, lobe)?;
         direction = point.shading.to_world(sample.direction);
         vertices.push(point);
         from = point;

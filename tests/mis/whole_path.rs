@@ -80,15 +80,15 @@ impl WholePath<'_> {
             let lobe = (k as f32 + 0.5) / 64.0;
             let u = Vec2::splat(0.5);
             let mode = TransportMode::Radiance;
-            let textures = &self.scene.textures;
-            let sample = material.sample(textures, surface.uv, to_camera, mode, lobe, u);
+            let context = self.scene.material_context(surface);
+            let sample = material.sample(&context, to_camera, mode, lobe, u);
             if let Some(sample) = sample.filter(|s| s.delta)
                 && (sample.direction - to_light).length() < 2e-3
             {
                 return (f64::from(sample.pdf), f64::from(sample.reverse_pdf), true);
             }
         }
-        let s = material.evaluate(&self.scene.textures, surface.uv, to_light, to_camera);
+        let s = material.evaluate(&self.scene.material_context(surface), to_light, to_camera);
         (f64::from(s.pdf_to_light), f64::from(s.pdf_to_camera), false)
     }
 

@@ -24,7 +24,7 @@ pub fn rough(builder: &mut Builder, object: &Object) -> Result<Material, LoadErr
     let (eta, k) = metal_indices(object)?;
     Ok(Material::RoughConductor {
         distribution: distribution(object)?,
-        alpha: roughness(object)?,
+        roughness: roughness(builder, object)?,
         eta,
         k,
         specular_reflectance: specular_reflectance(builder, object)?,

@@ -1,4 +1,4 @@
-//! `dielectric` and `roughdielectric`: interfaces that reflect and transmit.
+//! `dielectric`, `roughdielectric` and `thindielectric`: interfaces that reflect and transmit.
 
 use super::ior::{differing_ior, relative_ior};
 use super::roughness::{distribution, roughness};
@@ -19,10 +19,18 @@ pub fn smooth(builder: &mut Builder, object: &Object) -> Result<Material, LoadEr
     })
 }
 
+pub fn thin(builder: &mut Builder, object: &Object) -> Result<Material, LoadError> {
+    Ok(Material::ThinDielectric {
+        eta: relative_ior(object, INSIDE)?,
+        specular_reflectance: specular_reflectance(builder, object)?,
+        specular_transmittance: specular_transmittance(builder, object)?,
+    })
+}
+
 pub fn rough(builder: &mut Builder, object: &Object) -> Result<Material, LoadError> {
     Ok(Material::RoughDielectric {
         distribution: distribution(object)?,
-        alpha: roughness(object)?,
+        roughness: roughness(builder, object)?,
         eta: differing_ior(object, INSIDE)?,
         specular_reflectance: specular_reflectance(builder, object)?,
         specular_transmittance: specular_transmittance(builder, object)?,

@@ -1,10 +1,17 @@
 //! `bsdf`: materials.
 
+mod blend;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod disney;
 mod ior;
+mod mask;
+mod nested;
+mod perturbed;
+mod phong;
 mod plastic;
+mod principled;
 mod roughness;
 mod specular;
 mod twosided;
@@ -15,17 +22,28 @@ use super::xml::Object;
 use crate::math::Rgb;
 use crate::scene::{Material, Texture};
 
-type Constructor = fn(&mut Builder, &Object) -> Result<Material, LoadError>;
+type Constructor = for<'a> fn(&mut Builder<'a>, &'a Object) -> Result<Material, LoadError>;
 
 /// The BSDFs.
-const PLUGINS: [(&str, Constructor); 8] = [
+const PLUGINS: [(&str, Constructor); 19] = [
+    ("blendbsdf", blend::blend),
+    ("bumpmap", perturbed::bump_map),
     ("conductor", conductor::smooth),
     ("dielectric", dielectric::smooth),
     ("diffuse", diffuse::diffuse),
+    ("disneydiffuse", disney::diffuse),
+    ("disneymetal", disney::metal),
+    ("mask", mask::mask),
+    ("mixturebsdf", blend::mixture),
+    ("normalmap", perturbed::normal_map),
+    ("phong", phong::phong),
     ("plastic", plastic::smooth),
+    ("principled", principled::solid),
+    ("principledthin", principled::thin),
     ("roughconductor", conductor::rough),
     ("roughdielectric", dielectric::rough),
     ("roughplastic", plastic::rough),
+    ("thindielectric", dielectric::thin),
     ("twosided", twosided::twosided),
 ];
 

@@ -1,7 +1,7 @@
 //! `plastic` and `roughplastic`: a diffuse base under a dielectric coating.
 
 use super::ior::{differing_ior, relative_ior};
-use super::roughness::{distribution, roughness};
+use super::roughness::{constant_roughness, distribution};
 use super::specular::specular_reflectance;
 use crate::mitsuba::builder::Builder;
 use crate::mitsuba::error::LoadError;
@@ -29,7 +29,7 @@ pub fn rough(builder: &mut Builder, object: &Object) -> Result<Material, LoadErr
     let specular = specular_reflectance(builder, object)?;
     Ok(Material::rough_plastic(
         distribution(object)?,
-        roughness(object)?,
+        constant_roughness(object)?,
         differing_ior(object, INSIDE)?,
         nonlinear,
         diffuse,

@@ -12,7 +12,7 @@ pub fn twosided(builder: &mut Builder, object: &Object) -> Result<Material, Load
             return Err(property.conflict("`twosided` has two sides, and this is a third material"));
         }
         sides.push(match material {
-            Material::Dielectric { .. } | Material::RoughDielectric { .. } => {
+            transmitting if transmitting.transmits() => {
                 return Err(property.conflict("a material that transmits cannot be made two-sided"));
             }
             // Either side of the surface sees the front of a nested two-sided material.

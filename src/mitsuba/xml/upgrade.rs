@@ -40,6 +40,12 @@ pub fn object(object: &mut Object) -> Result<(), LoadError> {
     let mut offset = DVec3::ZERO;
     let mut scale = DVec3::ONE;
     let mut place = None;
+    if let Some(property) = object.remove("uvscale") {
+        let number = property.value.as_float();
+        let both = number.ok_or_else(|| property.wrong_type("a float"))?;
+        scale = DVec3::new(both, both, 1.0);
+        place = Some(property.place);
+    }
     for (name, target) in [
         ("uoffset", &mut offset.x),
         ("voffset", &mut offset.y),

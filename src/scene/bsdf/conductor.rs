@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::fresnel;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
 use crate::math::Rgb;
 use crate::scene::texture::TextureAt;
 
@@ -15,8 +15,6 @@ pub(super) struct ConductorBsdf<'a> {
 }
 
 impl Bsdf for ConductorBsdf<'_> {
-    const FLAGS: Flags = Flags::DELTA;
-
     #[inline]
     fn evaluate(&self, _: Vec3A, _: Vec3A) -> BsdfEvaluation {
         BsdfEvaluation::ZERO

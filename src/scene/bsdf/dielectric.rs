@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::fresnel::{self, Interface};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
 use crate::scene::texture::TextureAt;
 
 /// `Material::Dielectric` at a point.
@@ -16,8 +16,6 @@ pub(super) struct DielectricBsdf<'a> {
 }
 
 impl Bsdf for DielectricBsdf<'_> {
-    const FLAGS: Flags = Flags::DELTA;
-
     #[inline]
     fn evaluate(&self, _: Vec3A, _: Vec3A) -> BsdfEvaluation {
         BsdfEvaluation::ZERO

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec3A};
 
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::scene::texture::TextureAt;
 
@@ -14,8 +14,6 @@ pub(super) struct DiffuseBsdf<'a> {
 }
 
 impl Bsdf for DiffuseBsdf<'_> {
-    const FLAGS: Flags = Flags::CONNECTIBLE;
-
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         if !(to_light.z > 0.0 && to_camera.z > 0.0) {

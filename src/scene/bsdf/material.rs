@@ -1,19 +1,16 @@
 //! The materials of a scene.
 
-use glam::{Vec2, Vec3A};
-
-use super::conductor::ConductorBsdf;
-use super::dielectric::DielectricBsdf;
-use super::diffuse::DiffuseBsdf;
 use super::microfacet::{MicrofacetDistribution, Microfacets};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
-use super::plastic::{Plastic, PlasticBsdf};
-use super::rough_conductor::RoughConductorBsdf;
-use super::rough_dielectric::{RoughDielectricBsdf, is_index_matched};
-use super::rough_plastic::{RoughPlastic, RoughPlasticBsdf};
+use super::perturbed::NormalPerturbation;
+use super::plastic::Plastic;
+use super::principled::Principled;
+use super::principled_thin::PrincipledThin;
+use super::rough_dielectric::is_index_matched;
+use super::rough_plastic::RoughPlastic;
+use super::roughness::Roughness;
 use super::substrate::Substrate;
 use crate::math::Rgb;
-use crate::scene::texture::{Texture, TextureAt};
+use crate::scene::texture::Texture;
 
 /// The material of a surface, named and parameterised as in Mitsuba 3. Reflectances are
 /// indices of textures; eta is the index of refraction inside over outside.
@@ -38,7 +35,7 @@ pub enum Material {
         /// Microfacet distribution.
         distribution: MicrofacetDistribution,
         /// Roughness.
-        alpha: f32,
+        roughness: Roughness,
         /// As for `Conductor`.
         eta: Rgb,
         /// As for `Conductor`.
@@ -60,7 +57,7 @@ pub enum Material {
         /// Microfacet distribution.
         distribution: MicrofacetDistribution,
         /// Roughness.
-        alpha: f32,
+        roughness: Roughness,
         /// Inside over outside.
         eta: f32,
         /// Factor on reflection.
@@ -72,6 +69,65 @@ pub enum Material {
     Plastic(Plastic),
     /// Diffuse substrate under a rough dielectric coat; constructed by [`Material::rough_plastic`].
     RoughPlastic(RoughPlastic),
+    /// Thin pane of a transparent medium.
+    ThinDielectric {
+        /// Pane over its surroundings.
+        eta: f32,
+        /// Factor on reflection.
+        specular_reflectance: u32,
+        /// Factor on transmission.
+        specular_transmittance: u32,
+    },
+    /// Modified Phong reflection.
+    Phong {
+        /// Exponent of the cosine.
+        exponent: f32,
+        /// Albedo of the diffuse lobe.
+        diffuse_reflectance: u32,
+        /// Albedo of the specular lobe at normal incidence.
+        specular_reflectance: u32,
+    },
+    /// Disney's model of solid surfaces.
+    Principled(Principled),
+    /// Disney's model of thin surfaces.
+    PrincipledThin(PrincipledThin),
+    /// A material that covers a fraction of the surface; light passes elsewhere.
+    Mask {
+        /// The fraction, the luminance of a texture.
+        opacity: u32,
+        /// What covers it.
+        covered: Box<Material>,
+    },
+    /// A weighted sum of two materials.
+    Blend {
+        /// Weight of the second, the luminance of a texture from 0 to 1; that of the first is the rest.
+        weight: u32,
+        /// The first.
+        first: Box<Material>,
+        /// The second.
+        second: Box<Material>,
+    },
+    /// A material whose normals a texture gives: 2 color - 1 is the normal along dp/du, across it, and along the
+    /// shading normal.
+    NormalMap {
+        /// The texture.
+        normals: u32,
+        /// How the normals are used.
+        perturbation: NormalPerturbation,
+        /// Seen with these normals; without a normal or bump map of its own.
+        base: Box<Material>,
+    },
+    /// A material on a surface displaced along its normal.
+    BumpMap {
+        /// The displacement is the luminance of this texture times `scale`.
+        displacement: u32,
+        /// In scene units.
+        scale: f32,
+        /// How the normals are used.
+        perturbation: NormalPerturbation,
+        /// Seen with the normals of the displaced surface; without a normal or bump map of its own.
+        base: Box<Material>,
+    },
     /// One material on the front and one on the back, neither of which transmits light.
     TwoSided {
         /// Seen from the side of the normal.
@@ -79,102 +135,6 @@ pub enum Material {
         /// Seen from the other side.
         back: Box<Material>,
     },
-}
-
-/// Evaluates the first expression with `$bsdf` bound to the model of a material at a point, where `$at`
-/// binds textures to the point; of a two-sided material, the second one with `$front` and `$back` bound to its
-/// sides. A macro, so that each model is inlined into its arm.
-macro_rules! at_point {
-    ($material:expr, $at:ident, |$bsdf:ident| $one:expr, |$front:ident, $back:ident| $two:expr) => {
-        match $material {
-            Material::Diffuse { reflectance } => {
-                let $bsdf = DiffuseBsdf {
-                    reflectance: $at(reflectance),
-                };
-                $one
-            }
-            Material::Conductor {
-                eta,
-                k,
-                specular_reflectance,
-            } => {
-                let $bsdf = ConductorBsdf {
-                    eta: *eta,
-                    k: *k,
-                    specular_reflectance: $at(specular_reflectance),
-                };
-                $one
-            }
-            Material::RoughConductor {
-                distribution,
-                alpha,
-                eta,
-                k,
-                specular_reflectance,
-            } => {
-                let $bsdf = RoughConductorBsdf {
-                    microfacets: Microfacets::new(*distribution, *alpha),
-                    eta: *eta,
-                    k: *k,
-                    specular_reflectance: $at(specular_reflectance),
-                };
-                $one
-            }
-            Material::RoughDielectric {
-                distribution,
-                alpha,
-                eta,
-                specular_reflectance,
-                specular_transmittance,
-            } if !is_index_matched(*eta) => {
-                let $bsdf = RoughDielectricBsdf {
-                    microfacets: Microfacets::new(*distribution, *alpha),
-                    eta: *eta,
-                    specular_reflectance: $at(specular_reflectance),
-                    specular_transmittance: $at(specular_transmittance),
-                };
-                $one
-            }
-            Material::Dielectric {
-                eta,
-                specular_reflectance,
-                specular_transmittance,
-            }
-            | Material::RoughDielectric {
-                eta,
-                specular_reflectance,
-                specular_transmittance,
-                ..
-            } => {
-                let $bsdf = DielectricBsdf {
-                    eta: *eta,
-                    specular_reflectance: $at(specular_reflectance),
-                    specular_transmittance: $at(specular_transmittance),
-                };
-                $one
-            }
-            Material::Plastic(plastic) => {
-                let $bsdf = PlasticBsdf {
-                    plastic,
-                    diffuse: $at(&plastic.substrate.diffuse_reflectance),
-                    specular: $at(&plastic.substrate.specular_reflectance),
-                };
-                $one
-            }
-            Material::RoughPlastic(plastic) => {
-                let $bsdf = RoughPlasticBsdf {
-                    plastic,
-                    diffuse: $at(&plastic.substrate.diffuse_reflectance),
-                    specular: $at(&plastic.substrate.specular_reflectance),
-                };
-                $one
-            }
-            Material::TwoSided {
-                front: $front,
-                back: $back,
-            } => $two,
-        }
-    };
 }
 
 impl Material {
@@ -188,6 +148,14 @@ impl Material {
             Self::RoughDielectric { .. } => "roughdielectric",
             Self::Plastic(_) => "plastic",
             Self::RoughPlastic(_) => "roughplastic",
+            Self::ThinDielectric { .. } => "thindielectric",
+            Self::Phong { .. } => "phong",
+            Self::Principled(_) => "principled",
+            Self::PrincipledThin(_) => "principledthin",
+            Self::Mask { .. } => "mask",
+            Self::Blend { .. } => "blendbsdf",
+            Self::NormalMap { .. } => "normalmap",
+            Self::BumpMap { .. } => "bumpmap",
             Self::TwoSided { .. } => "twosided",
         }
     }
@@ -228,103 +196,9 @@ impl Material {
             textures,
         );
         Material::RoughPlastic(RoughPlastic::new(
-            Microfacets::new(distribution, alpha),
+            Microfacets::isotropic(distribution, alpha),
             substrate,
         ))
-    }
-
-    /// The scattering function and both densities; zero where the two directions cannot scatter
-    /// into each other.
-    #[inline]
-    pub fn evaluate(
-        &self,
-        textures: &[Texture],
-        uv: Vec2,
-        to_light: Vec3A,
-        to_camera: Vec3A,
-    ) -> BsdfEvaluation {
-        let at = |texture: &u32| TextureAt {
-            texture: &textures[*texture as usize],
-            uv,
-        };
-        at_point!(
-            self,
-            at,
-            |bsdf| bsdf.evaluate(to_light, to_camera),
-            |front, back| {
-                if to_camera.z > 0.0 {
-                    front.evaluate(textures, uv, to_light, to_camera)
-                } else {
-                    back.evaluate(textures, uv, flipped(to_light), flipped(to_camera))
-                }
-            }
-        )
-    }
-
-    /// Samples the direction in which a subpath that came from `from` continues; `None` where it
-    /// ends. `u_lobe` chooses the lobe, `u` the direction.
-    #[inline]
-    pub fn sample(
-        &self,
-        textures: &[Texture],
-        uv: Vec2,
-        from: Vec3A,
-        mode: TransportMode,
-        u_lobe: f32,
-        u: Vec2,
-    ) -> Option<BsdfSample> {
-        let at = |texture: &u32| TextureAt {
-            texture: &textures[*texture as usize],
-            uv,
-        };
-        at_point!(
-            self,
-            at,
-            |bsdf| bsdf.sample(from, mode, u_lobe, u),
-            |front, back| {
-                if from.z > 0.0 {
-                    front.sample(textures, uv, from, mode, u_lobe, u)
-                } else {
-                    let sample = back.sample(textures, uv, flipped(from), mode, u_lobe, u)?;
-                    Some(BsdfSample {
-                        direction: flipped(sample.direction),
-                        ..sample
-                    })
-                }
-            }
-        )
-    }
-
-    /// The sample of a delta lobe; `None` if the material has no such lobe or its probability is 0.
-    #[inline]
-    pub fn sample_delta(
-        &self,
-        textures: &[Texture],
-        uv: Vec2,
-        from: Vec3A,
-        mode: TransportMode,
-        lobe: DeltaLobe,
-    ) -> Option<BsdfSample> {
-        let at = |texture: &u32| TextureAt {
-            texture: &textures[*texture as usize],
-            uv,
-        };
-        at_point!(
-            self,
-            at,
-            |bsdf| bsdf.sample_delta(from, mode, lobe),
-            |front, back| {
-                if from.z > 0.0 {
-                    front.sample_delta(textures, uv, from, mode, lobe)
-                } else {
-                    let sample = back.sample_delta(textures, uv, flipped(from), mode, lobe)?;
-                    Some(BsdfSample {
-                        direction: flipped(sample.direction),
-                        ..sample
-                    })
-                }
-            }
-        )
     }
 
     /// Index of refraction of the inside over that of the outside, if the material refracts without roughness.
@@ -332,43 +206,109 @@ impl Material {
         match self {
             Material::RoughDielectric { eta, .. } if !is_index_matched(*eta) => None,
             Material::Dielectric { eta, .. } | Material::RoughDielectric { eta, .. } => Some(*eta),
-            Material::Diffuse { .. }
-            | Material::Conductor { .. }
-            | Material::RoughConductor { .. }
-            | Material::Plastic(_)
-            | Material::RoughPlastic(_)
-            | Material::TwoSided { .. } => None,
+            _ => None,
         }
     }
 
     /// True if some lobe is not a delta function, so that explicit connections can carry light.
     pub fn is_connectible(&self) -> bool {
-        self.flags().connectible
-    }
-
-    /// True if some lobe is a delta function.
-    pub fn has_delta_lobe(&self) -> bool {
-        self.flags().delta
-    }
-
-    fn flags(&self) -> Flags {
         match self {
-            Material::Diffuse { .. } => DiffuseBsdf::FLAGS,
-            Material::Conductor { .. } => ConductorBsdf::FLAGS,
-            Material::RoughConductor { .. } => RoughConductorBsdf::FLAGS,
-            Material::RoughDielectric { eta, .. } if !is_index_matched(*eta) => {
-                RoughDielectricBsdf::FLAGS
-            }
-            Material::Dielectric { .. } | Material::RoughDielectric { .. } => DielectricBsdf::FLAGS,
-            Material::Plastic(_) => PlasticBsdf::FLAGS,
-            Material::RoughPlastic(_) => RoughPlasticBsdf::FLAGS,
-            Material::TwoSided { front, back } => front.flags().union(back.flags()),
+            Material::Diffuse { .. }
+            | Material::RoughConductor { .. }
+            | Material::Plastic(_)
+            | Material::RoughPlastic(_)
+            | Material::Phong { .. }
+            | Material::Principled(_)
+            | Material::PrincipledThin(_) => true,
+            Material::RoughDielectric { eta, .. } => !is_index_matched(*eta),
+            Material::Conductor { .. }
+            | Material::Dielectric { .. }
+            | Material::ThinDielectric { .. } => false,
+            Material::Mask { covered: base, .. }
+            | Material::NormalMap { base, .. }
+            | Material::BumpMap { base, .. } => base.is_connectible(),
+            Material::Blend { first, second, .. }
+            | Material::TwoSided {
+                front: first,
+                back: second,
+            } => first.is_connectible() || second.is_connectible(),
         }
     }
-}
 
-/// `v` seen with the surface flipped.
-#[inline]
-fn flipped(v: Vec3A) -> Vec3A {
-    Vec3A::new(v.x, v.y, -v.z)
+    /// True if chains of delta vertices on the surface may be sought: its delta lobes are reflection in the shading
+    /// normal, and refraction of the index [`Self::smooth_refraction`]. [`Self::sample_delta`] has the
+    /// lobes of such a material, and no others. Light that passes a mask or a thin pane, and lobes of
+    /// perturbed normals and of blends, belong to no chain.
+    pub fn is_caster(&self) -> bool {
+        match self {
+            Material::Conductor { .. } | Material::Dielectric { .. } | Material::Plastic(_) => true,
+            Material::RoughDielectric { eta, .. } => is_index_matched(*eta),
+            Material::TwoSided { front, back } => front.is_caster() || back.is_caster(),
+            _ => false,
+        }
+    }
+
+    /// True if light may pass to the other side.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Material::Dielectric { .. }
+            | Material::RoughDielectric { .. }
+            | Material::ThinDielectric { .. }
+            | Material::PrincipledThin(_)
+            | Material::Mask { .. } => true,
+            Material::Principled(principled) => principled.transmits,
+            Material::NormalMap { base, .. } | Material::BumpMap { base, .. } => base.transmits(),
+            Material::Blend { first, second, .. } => first.transmits() || second.transmits(),
+            Material::TwoSided { front, back } => front.transmits() || back.transmits(),
+            Material::Diffuse { .. }
+            | Material::Conductor { .. }
+            | Material::RoughConductor { .. }
+            | Material::Plastic(_)
+            | Material::RoughPlastic(_)
+            | Material::Phong { .. } => false,
+        }
+    }
+
+    /// True if some light passes straight through the material, beside light that it scatters.
+    pub fn has_openings(&self) -> bool {
+        match self {
+            Material::Mask { .. } => true,
+            Material::NormalMap { base, .. } | Material::BumpMap { base, .. } => {
+                base.has_openings()
+            }
+            Material::Blend { first, second, .. } => first.has_openings() || second.has_openings(),
+            _ => false,
+        }
+    }
+
+    /// True if a texture perturbs the normals of the material or of one that it contains.
+    pub fn perturbs_normals(&self) -> bool {
+        match self {
+            Material::NormalMap { .. } | Material::BumpMap { .. } => true,
+            Material::Mask { covered, .. } => covered.perturbs_normals(),
+            Material::Blend { first, second, .. }
+            | Material::TwoSided {
+                front: first,
+                back: second,
+            } => first.perturbs_normals() || second.perturbs_normals(),
+            _ => false,
+        }
+    }
+
+    /// Multiplies the lengths that the material depends on by `factor`.
+    pub(in crate::scene) fn scale_lengths(&mut self, factor: f32) {
+        match self {
+            Material::BumpMap { scale, .. } => *scale *= factor,
+            Material::Mask { covered, .. } => covered.scale_lengths(factor),
+            Material::Blend { first, second, .. }
+            | Material::TwoSided {
+                front: first,
+                back: second,
+            } => {
+                first.scale_lengths(factor);
+                second.scale_lengths(factor);
+            }
+            _ => {}
+        }
+    }
 }

@@ -13,7 +13,7 @@
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_SQRT_PI, PI};
 
-use glam::{Vec2, Vec2Swizzles, Vec3A};
+use glam::{Mat2, Vec2, Vec2Swizzles, Vec3A};
 use libm::erff;
 
 use crate::sampling::warp::square_to_disk;
@@ -30,19 +30,47 @@ pub enum MicrofacetDistribution {
 /// Minimum roughness, to which Mitsuba 3 clamps.
 const MIN_ALPHA: f32 = 1e-4;
 
-/// The microfacets of a surface of isotropic roughness.
+/// The microfacets of a surface. They are those of a surface of roughness 1, stretched along the surface by
+/// the linear map A = diag(1 / alpha_u, 1 / alpha_v) R, where R rotates the tangent of alpha_u to the axis x
+/// (Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", section 5.3):
+/// horizontal components of normals are multiplied by A, those of directions by its inverse transpose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacets {
     distribution: MicrofacetDistribution,
-    alpha: f32,
+    /// A.
+    to_unit_normal: Mat2,
+    /// The inverse transpose of A, diag(alpha_u, alpha_v) R.
+    to_unit_direction: Mat2,
+    /// alpha_u alpha_v.
+    alpha2: f32,
 }
 
 impl Microfacets {
+    /// Of the same roughness in all directions.
     #[inline]
-    pub fn new(distribution: MicrofacetDistribution, alpha: f32) -> Self {
+    pub fn isotropic(distribution: MicrofacetDistribution, alpha: f32) -> Self {
+        let alpha = alpha.max(MIN_ALPHA);
         Self {
             distribution,
-            alpha: alpha.max(MIN_ALPHA),
+            to_unit_normal: Mat2::from_diagonal(Vec2::splat(alpha.recip())),
+            to_unit_direction: Mat2::from_diagonal(Vec2::splat(alpha)),
+            alpha2: alpha * alpha,
+        }
+    }
+
+    /// Of roughness `alpha.x` along the unit vector `tangent` and `alpha.y` across it.
+    #[inline]
+    pub fn anisotropic(distribution: MicrofacetDistribution, alpha: Vec2, tangent: Vec2) -> Self {
+        let alpha = alpha.max(Vec2::splat(MIN_ALPHA));
+        let rotation = Mat2::from_cols(
+            Vec2::new(tangent.x, -tangent.y),
+            Vec2::new(tangent.y, tangent.x),
+        );
+        Self {
+            distribution,
+            to_unit_normal: Mat2::from_diagonal(alpha.recip()) * rotation,
+            to_unit_direction: Mat2::from_diagonal(alpha) * rotation,
+            alpha2: alpha.x * alpha.y,
         }
     }
 
@@ -50,18 +78,18 @@ impl Microfacets {
     #[inline]
     pub fn density(&self, m: Vec3A) -> f32 {
         let cos2 = m.z * m.z;
-        let slope2_cos2 = (m.x * m.x + m.y * m.y) / (self.alpha * self.alpha);
+        let slope2_cos2 = (self.to_unit_normal * horizontal(m)).length_squared();
         match self.distribution {
             MicrofacetDistribution::Beckmann => {
                 // The exponential underflows to 0 before the square of the cosine does.
                 if cos2 < 1e-8 {
                     return 0.0;
                 }
-                (-slope2_cos2 / cos2).exp() / (PI * self.alpha * self.alpha * cos2 * cos2)
+                (-slope2_cos2 / cos2).exp() / (PI * self.alpha2 * cos2 * cos2)
             }
             MicrofacetDistribution::Ggx => {
-                let root = self.alpha * (slope2_cos2 + cos2);
-                FRAC_1_PI / (root * root)
+                let root = slope2_cos2 + cos2;
+                FRAC_1_PI / (self.alpha2 * root * root)
             }
         }
     }
@@ -72,7 +100,7 @@ impl Microfacets {
     #[inline]
     pub fn masking_over_cosine(&self, v: Vec3A) -> f32 {
         let cos = v.z.abs();
-        let alpha_sin = self.alpha * (v.x * v.x + v.y * v.y).sqrt();
+        let alpha_sin = (self.to_unit_direction * horizontal(v)).length();
         match self.distribution {
             MicrofacetDistribution::Beckmann => {
                 let a = cos / alpha_sin;
@@ -88,20 +116,30 @@ impl Microfacets {
     /// of the square on either side of u.y = 1/2 are mirror images.
     #[inline]
     pub fn sample_visible(&self, v: Vec3A, u: Vec2) -> Vec3A {
-        let stretched = Vec3A::new(self.alpha * v.x, self.alpha * v.y, v.z).normalize();
-        match self.distribution {
+        let stretched = with_horizontal(v, self.to_unit_direction * horizontal(v)).normalize();
+        let unit_normal = match self.distribution {
             MicrofacetDistribution::Beckmann => {
                 let slope = beckmann_visible_slope(stretched.z, u);
-                let tangent = Vec2::new(stretched.x, stretched.y).normalize_or(Vec2::X);
-                let slope = self.alpha * tangent.rotate(slope);
-                Vec3A::new(-slope.x, -slope.y, 1.0).normalize()
+                let tangent = horizontal(stretched).normalize_or(Vec2::X);
+                with_horizontal(Vec3A::Z, -tangent.rotate(slope))
             }
-            MicrofacetDistribution::Ggx => {
-                let m = ggx_visible_normal(stretched, u);
-                Vec3A::new(self.alpha * m.x, self.alpha * m.y, m.z).normalize()
-            }
-        }
+            MicrofacetDistribution::Ggx => ggx_visible_normal(stretched, u),
+        };
+        let transposed = self.to_unit_direction.transpose();
+        with_horizontal(unit_normal, transposed * horizontal(unit_normal)).normalize()
     }
+}
+
+/// The components of `v` along the surface.
+#[inline]
+fn horizontal(v: Vec3A) -> Vec2 {
+    Vec2::new(v.x, v.y)
+}
+
+/// `v` with these components along the surface.
+#[inline]
+fn with_horizontal(v: Vec3A, horizontal: Vec2) -> Vec3A {
+    Vec3A::new(horizontal.x, horizontal.y, v.z)
 }
 
 /// A visible normal of GGX with alpha = 1, whose microfacets form a hemisphere: the point of the

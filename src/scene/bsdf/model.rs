@@ -1,4 +1,6 @@
-//! What every scattering model provides: evaluation with densities, sampling, and flags.
+//! What every scattering model provides: evaluation with densities, and sampling.
+
+use std::ops::Add;
 
 use glam::{Vec2, Vec3A};
 
@@ -14,38 +16,6 @@ pub enum TransportMode {
     Importance,
 }
 
-/// The kinds of lobes that a model has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Flags {
-    /// Some lobe has a density, so that explicit connections can carry light.
-    pub connectible: bool,
-    /// Some lobe is a delta function.
-    pub delta: bool,
-}
-
-impl Flags {
-    /// All lobes have a density.
-    pub const CONNECTIBLE: Self = Self {
-        connectible: true,
-        delta: false,
-    };
-    /// All lobes are delta functions.
-    pub const DELTA: Self = Self {
-        connectible: false,
-        delta: true,
-    };
-    /// Lobes of both kinds.
-    pub const BOTH: Self = Self::CONNECTIBLE.union(Self::DELTA);
-
-    /// The lobes of both.
-    pub const fn union(self, other: Self) -> Self {
-        Self {
-            connectible: self.connectible || other.connectible,
-            delta: self.delta || other.delta,
-        }
-    }
-}
-
 /// A delta lobe of a smooth interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DeltaLobe {
@@ -57,9 +27,6 @@ pub enum DeltaLobe {
 
 /// A scattering model at a point.
 pub(super) trait Bsdf {
-    /// The kinds of its lobes.
-    const FLAGS: Flags;
-
     /// The scattering function and both densities; zero where the two directions cannot scatter
     /// into each other.
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation;
@@ -125,6 +92,29 @@ impl BsdfEvaluation {
         pdf_to_light: 0.0,
         pdf_to_camera: 0.0,
     };
+
+    /// All three times `factor`.
+    #[inline]
+    pub(super) fn scaled(self, factor: f32) -> Self {
+        Self {
+            f: self.f * factor,
+            pdf_to_light: self.pdf_to_light * factor,
+            pdf_to_camera: self.pdf_to_camera * factor,
+        }
+    }
+}
+
+impl Add for BsdfEvaluation {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            f: self.f + other.f,
+            pdf_to_light: self.pdf_to_light + other.pdf_to_light,
+            pdf_to_camera: self.pdf_to_camera + other.pdf_to_camera,
+        }
+    }
 }
 
 /// A sampled direction.
@@ -150,6 +140,31 @@ pub struct BsdfSample {
 }
 
 impl BsdfSample {
+    /// Transmission of `from` without a change of direction, chosen with `probability` from either side, where
+    /// `transmittance` is the fraction of light that is transmitted.
+    #[inline]
+    pub(super) fn straight(from: Vec3A, transmittance: Rgb, probability: f32) -> Self {
+        Self {
+            direction: -from,
+            weight: transmittance / probability,
+            pdf: probability,
+            reverse_pdf: probability,
+            delta: true,
+            eta: 1.0,
+        }
+    }
+
+    /// The same sample, where its model is chosen with `probability` among others, in which case alone it
+    /// scatters.
+    #[inline]
+    pub(super) fn chosen_with(self, probability: f32) -> Self {
+        Self {
+            pdf: self.pdf * probability,
+            reverse_pdf: self.reverse_pdf * probability,
+            ..self
+        }
+    }
+
     /// Mirror reflection of `from`, chosen with `probability` from either side, where `reflectance`
     /// is the fraction of light that is reflected.
     #[inline]

@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3A};
 
 use super::fresnel;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
 use super::substrate::Substrate;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::scene::texture::TextureAt;
@@ -35,8 +35,6 @@ pub(super) struct PlasticBsdf<'a> {
 }
 
 impl Bsdf for PlasticBsdf<'_> {
-    const FLAGS: Flags = Flags::BOTH;
-
     /// The diffuse lobe; the specular lobe is a delta function.
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {

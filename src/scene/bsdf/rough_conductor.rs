@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::microfacet::Microfacets;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use super::{fresnel, rough_reflection};
 use crate::math::Rgb;
 use crate::scene::texture::TextureAt;
@@ -18,8 +18,6 @@ pub(super) struct RoughConductorBsdf<'a> {
 }
 
 impl Bsdf for RoughConductorBsdf<'_> {
-    const FLAGS: Flags = Flags::CONNECTIBLE;
-
     /// f = F D G / (4 cos cos) (equation 20).
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {

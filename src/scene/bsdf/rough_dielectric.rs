@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3A};
 use super::dielectric::eta_across;
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use crate::scene::texture::TextureAt;
 
 /// Relative indices of refraction closer to 1 than this count as 1: the deflection is below the
@@ -29,8 +29,6 @@ pub(super) struct RoughDielectricBsdf<'a> {
 }
 
 impl Bsdf for RoughDielectricBsdf<'_> {
-    const FLAGS: Flags = Flags::CONNECTIBLE;
-
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         if to_light.z == 0.0 || to_camera.z == 0.0 {
             return BsdfEvaluation::ZERO;

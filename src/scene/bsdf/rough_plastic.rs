@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3A};
 
 use super::fresnel::{self, Interface};
 use super::microfacet::Microfacets;
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, Flags, TransportMode};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use super::rough_reflection;
 use super::substrate::Substrate;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
@@ -66,8 +66,6 @@ pub(super) struct RoughPlasticBsdf<'a> {
 }
 
 impl Bsdf for RoughPlasticBsdf<'_> {
-    const FLAGS: Flags = Flags::CONNECTIBLE;
-
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         let (diffuse, specular) = (self.diffuse.color(), self.specular.color());

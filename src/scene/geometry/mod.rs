@@ -111,6 +111,23 @@ impl Geometry {
         }
     }
 
+    /// The derivatives dp/du and dp/dv of the position with respect to the texture coordinates, in scene units.
+    pub(super) fn partial_derivatives(&self, point: &SurfacePoint) -> [Vec3A; 2] {
+        let shape = &self.shapes[point.shape as usize];
+        match self.bvh.primitive(point.primitive) {
+            Some(Primitive::Triangle(triangle)) => shape.triangle_partial_derivatives(&triangle),
+            Some(Primitive::Sphere(sphere)) => {
+                let outward = if shape.flip {
+                    -point.geometric_normal
+                } else {
+                    point.geometric_normal
+                };
+                shape.sphere_partial_derivatives(&sphere, outward)
+            }
+            None => [Vec3A::ZERO; 2],
+        }
+    }
+
     /// The primitives of the shapes for which `wanted` is true, with their indices, and for triangles with
     /// vertex normals these normals, unit and on the front side.
     pub(super) fn primitives(

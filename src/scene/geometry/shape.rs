@@ -56,6 +56,29 @@ impl MeshAttributes {
         a * b0 + b * b1 + c * b2
     }
 
+    /// The derivatives of the position on a triangle with respect to its texture coordinates; `None` where they are
+    /// degenerate.
+    fn partial_derivatives(&self, triangle: &Triangle) -> Option<[Vec3A; 2]> {
+        let [p0, p1, p2] = triangle.corners.map(Vec3A::from_array);
+        let edges = [p1 - p0, p2 - p0];
+        if self.uvs.is_empty() {
+            return Some(edges);
+        }
+        let [a, b, c] = triangle
+            .vertices
+            .map(|v| Vec2::from_array(self.uvs[v as usize]));
+        let [d1, d2] = [b - a, c - a];
+        let determinant = d1.perp_dot(d2);
+        let derivatives = [
+            (edges[0] * d2.y - edges[1] * d1.y) / determinant,
+            (edges[1] * d1.x - edges[0] * d2.x) / determinant,
+        ];
+        derivatives
+            .iter()
+            .all(|derivative| derivative.is_finite())
+            .then_some(derivatives)
+    }
+
     /// Bytes in memory.
     fn bytes(&self) -> usize {
         size_of_val(&self.normals[..]) + size_of_val(&self.uvs[..])
@@ -154,6 +177,40 @@ impl Shape {
             dual,
             slopes: slopes.map(|slope| slope / length),
         }
+    }
+
+    /// The derivatives of the position on a triangle with respect to the texture coordinates; where those are
+    /// degenerate, two tangents of unit length, as in Mitsuba.
+    pub fn triangle_partial_derivatives(&self, triangle: &Triangle) -> [Vec3A; 2] {
+        let derivatives = match &self.attributes {
+            Attributes::Mesh(mesh) => mesh.partial_derivatives(triangle),
+            Attributes::Sphere(_) => None,
+        };
+        derivatives.unwrap_or_else(|| {
+            let Frame { s, t, .. } = Frame::from_normal(self.triangle_normal(triangle));
+            [s, t]
+        })
+    }
+
+    /// The derivatives of the position on a sphere with respect to its texture coordinates (phi / 2 pi,
+    /// theta / pi), at the outward unit normal `outward`.
+    pub fn sphere_partial_derivatives(&self, sphere: &Sphere, outward: Vec3A) -> [Vec3A; 2] {
+        use std::f32::consts::{PI, TAU};
+        let to_local = match &self.attributes {
+            Attributes::Sphere(to_local) => *to_local,
+            Attributes::Mesh(_) => Mat3A::IDENTITY,
+        };
+        let v = to_local * outward;
+        let sin = v.x.hypot(v.y);
+        let [cos_phi, sin_phi] = if sin > 0.0 {
+            [v.x / sin, v.y / sin]
+        } else {
+            [1.0, 0.0]
+        };
+        let by_phi = Vec3A::new(-sin_phi, cos_phi, 0.0) * sin;
+        let by_theta = Vec3A::new(v.z * cos_phi, v.z * sin_phi, -sin);
+        let to_scene = to_local.transpose() * sphere.radius;
+        [to_scene * (TAU * by_phi), to_scene * (PI * by_theta)]
     }
 
     /// How the normal of a sphere changes.

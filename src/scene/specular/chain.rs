@@ -142,7 +142,8 @@ impl Candidate {
             let material = &scene.materials[scene.geometry.material(point.shape) as usize];
             let local = point.shading.to_local(-direction);
             let mode = TransportMode::Radiance;
-            let sample = material.sample_delta(&scene.textures, point.uv, local, mode, lobe)?;
+            let context = scene.material_context(&point);
+            let sample = material.sample_delta(&context, local, mode, lobe)?;
             let next = point.shading.to_world(sample.direction);
             interfaces.push(Interface {
                 distance: f64::from((point.position - from).length()),

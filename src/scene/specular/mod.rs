@@ -89,7 +89,7 @@ impl Casters {
         let material = |shape: u32| &materials[geometry.material(shape) as usize];
         let mut triangles: BTreeMap<u32, Vec<(Triangle, DVec3)>> = BTreeMap::new();
         let mut casters = Vec::new();
-        let is_caster = |shape: u32| material(shape).has_delta_lobe();
+        let is_caster = |shape: u32| material(shape).is_caster();
         for (index, primitive, normals) in geometry.primitives(is_caster) {
             match primitive {
                 Primitive::Triangle(triangle) => {

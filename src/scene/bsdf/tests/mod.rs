@@ -1,5 +1,6 @@
-//! Tests of materials, and what they share: the materials, and integration over the sphere.
+//! Tests of materials, and what they share: directions, and integration over the sphere.
 
+mod materials;
 mod mitsuba;
 mod physics;
 mod sampling;
@@ -9,22 +10,8 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3A};
 
-use super::{Material, MicrofacetDistribution, metals};
-use crate::math::Rgb;
+use super::MaterialContext;
 use crate::scene::Texture;
-
-/// Indices into [`textures`].
-const WHITE: u32 = 0;
-const COLOR: u32 = 1;
-const TINT: u32 = 2;
-
-fn textures() -> [Texture; 3] {
-    [
-        Texture::Constant(Rgb::ONE),
-        Texture::Constant(Rgb::new(0.2, 0.5, 0.8)),
-        Texture::Constant(Rgb::new(0.9, 0.8, 0.7)),
-    ]
-}
 
 fn unit(x: f32, y: f32, z: f32) -> Vec3A {
     Vec3A::new(x, y, z).normalize()
@@ -35,126 +22,6 @@ fn tilted(degrees: f32, azimuth: f32) -> Vec3A {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (sin_phi, cos_phi) = azimuth.sin_cos();
     unit(sin * cos_phi, sin * sin_phi, cos)
-}
-
-fn conductor(name: &str, specular_reflectance: u32) -> Material {
-    let (eta, k) = metals::metal(name).expect("a known metal");
-    Material::Conductor {
-        eta,
-        k,
-        specular_reflectance,
-    }
-}
-
-fn rough_conductor(
-    distribution: MicrofacetDistribution,
-    alpha: f32,
-    name: &str,
-    specular_reflectance: u32,
-) -> Material {
-    let (eta, k) = metals::metal(name).expect("a known metal");
-    Material::RoughConductor {
-        distribution,
-        alpha,
-        eta,
-        k,
-        specular_reflectance,
-    }
-}
-
-fn dielectric(eta: f32, reflectance: u32, transmittance: u32) -> Material {
-    Material::Dielectric {
-        eta,
-        specular_reflectance: reflectance,
-        specular_transmittance: transmittance,
-    }
-}
-
-fn rough_dielectric(
-    distribution: MicrofacetDistribution,
-    alpha: f32,
-    eta: f32,
-    reflectance: u32,
-    transmittance: u32,
-) -> Material {
-    Material::RoughDielectric {
-        distribution,
-        alpha,
-        eta,
-        specular_reflectance: reflectance,
-        specular_transmittance: transmittance,
-    }
-}
-
-/// Materials with a lobe that is not a delta function.
-fn connectible() -> Vec<(&'static str, Material)> {
-    use MicrofacetDistribution::{Beckmann, Ggx};
-    let textures = textures();
-    let rough_plastic = |distribution, alpha, eta, nonlinear| {
-        Material::rough_plastic(distribution, alpha, eta, nonlinear, COLOR, WHITE, &textures)
-    };
-    vec![
-        ("diffuse", Material::Diffuse { reflectance: COLOR }),
-        ("shiny GGX metal", rough_conductor(Ggx, 0.05, "Au", TINT)),
-        ("rough GGX metal", rough_conductor(Ggx, 1.0, "Cr", WHITE)),
-        (
-            "shiny Beckmann metal",
-            rough_conductor(Beckmann, 0.05, "Cu", WHITE),
-        ),
-        (
-            "rough Beckmann metal",
-            rough_conductor(Beckmann, 0.8, "none", WHITE),
-        ),
-        (
-            "shiny GGX glass",
-            rough_dielectric(Ggx, 0.06, 1.5, WHITE, WHITE),
-        ),
-        (
-            "rough GGX glass",
-            rough_dielectric(Ggx, 0.7, 1.5, TINT, COLOR),
-        ),
-        (
-            "rough Beckmann bubble",
-            rough_dielectric(Beckmann, 0.4, 0.75, WHITE, TINT),
-        ),
-        (
-            "rough Beckmann diamond",
-            rough_dielectric(Beckmann, 0.2, 2.419, WHITE, WHITE),
-        ),
-        (
-            "plastic",
-            Material::plastic(1.49, false, COLOR, WHITE, &textures),
-        ),
-        (
-            "nonlinear plastic",
-            Material::plastic(1.9, true, COLOR, TINT, &textures),
-        ),
-        ("shiny plastic", rough_plastic(Beckmann, 0.08, 1.49, false)),
-        ("rough plastic", rough_plastic(Ggx, 0.5, 1.7, true)),
-        (
-            "metal and paint",
-            Material::TwoSided {
-                front: Box::new(rough_conductor(Ggx, 0.3, "Al", WHITE)),
-                back: Box::new(Material::plastic(1.49, false, COLOR, WHITE, &textures)),
-            },
-        ),
-    ]
-}
-
-/// Materials of which all lobes are delta functions.
-fn perfectly_smooth() -> Vec<(&'static str, Material)> {
-    use MicrofacetDistribution::Ggx;
-    vec![
-        ("mirror", conductor("none", WHITE)),
-        ("gold", conductor("Au", TINT)),
-        ("glass", dielectric(1.5, WHITE, WHITE)),
-        ("tinted bubble", dielectric(0.75, TINT, COLOR)),
-        ("nothing", dielectric(1.0, WHITE, WHITE)),
-        (
-            "rough nothing",
-            rough_dielectric(Ggx, 0.3, 1.0, WHITE, WHITE),
-        ),
-    ]
 }
 
 /// The point of the sphere at polar angle `theta` and azimuth `phi`.
@@ -245,5 +112,7 @@ fn integrate_hemisphere(f: &impl Fn(Vec3A) -> f64) -> f64 {
     sum
 }
 
-/// Texture coordinates for constant textures.
-const UV: Vec2 = Vec2::new(0.3, 0.7);
+/// A point on a plane.
+fn context(textures: &[Texture]) -> MaterialContext<'_> {
+    MaterialContext::on_plane(textures, Vec2::new(0.3, 0.7))
+}

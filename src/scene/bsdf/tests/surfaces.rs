@@ -118,7 +118,7 @@ fn internal_diffuse_reflectance_is_the_integral() {
 fn microfacet_densities_are_normalised() {
     for distribution in [Beckmann, Ggx] {
         for alpha in [0.1, 0.5, 1.0] {
-            let microfacets = Microfacets::new(distribution, alpha);
+            let microfacets = Microfacets::isotropic(distribution, alpha);
             let d = |m: Vec3A| f64::from(microfacets.density(m));
             let all = integrate_hemisphere(&|m| d(m) * f64::from(m.z));
             assert!((all - 1.0).abs() < 1e-4, "{distribution:?} {alpha}: {all}");

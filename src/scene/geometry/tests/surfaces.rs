@@ -251,3 +251,83 @@ fn stretched_normals_stay_perpendicular() {
     let expected = Vec3A::new(0.0, 0.3, -0.2).normalize();
     assert!((hit.shading.n - expected).length() < 1e-6, "{hit:?}");
 }
+
+/// dp/du and dp/dv where a ray along -z hits a sphere, a stretched rectangle, a cube, and a triangle without texture
+/// coordinates, with them, and with the same ones at all corners. From Mitsuba 3.9.1:
+///
+///     s = mi.load_dict({'type': 'scene', 'a': {'type': ..., 'bsdf': {'type': 'roughconductor'}}})
+///     si = s.ray_intersect(mi.Ray3f([x, y, 5], [0, 0, -1])); print(si.dp_du, si.dp_dv)
+///
+/// The triangles are OBJ files, whose v is flipped.
+#[test]
+fn partial_derivatives_agree_with_mitsuba() {
+    let triangle = |uvs: &[[f32; 2]]| {
+        ShapeGeometry::Mesh(TriangleMesh {
+            positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.3], [0.5, 1.5, -0.2]],
+            normals: vec![[0.0, 0.1, 1.0], [0.3, 0.0, 1.0], [-0.2, 0.1, 1.0]],
+            uvs: uvs.to_vec(),
+            triangles: vec![[0, 1, 2]],
+        })
+    };
+    let sphere = ShapeGeometry::Sphere {
+        center: DVec3::ZERO,
+        radius: 1.0,
+    };
+    let stretched = DMat4::from_scale(DVec3::new(2.0, 3.0, 1.0));
+    let (identity, ball, corner) = (DMat4::IDENTITY, [0.3, 0.2], [0.6, 0.4]);
+    let cases = [
+        (
+            sphere,
+            identity,
+            ball,
+            [[-1.25664, 1.88496, 0.0], [2.43814, 1.62543, -1.13272]],
+        ),
+        (
+            ShapeGeometry::Mesh(TriangleMesh::rectangle()),
+            stretched,
+            ball,
+            [[4.0, 0.0, 0.0], [0.0, 6.0, 0.0]],
+        ),
+        (
+            ShapeGeometry::Mesh(TriangleMesh::cube()),
+            identity,
+            ball,
+            [[0.0, 2.0, 0.0], [2.0, 0.0, 0.0]],
+        ),
+        (
+            triangle(&[]),
+            identity,
+            corner,
+            [[2.0, 0.0, 0.3], [0.5, 1.5, -0.2]],
+        ),
+        (
+            triangle(&[[0.1, 0.8], [0.9, 0.7], [0.4, 0.2]]),
+            identity,
+            corner,
+            [
+                [2.55556, -0.333333, 0.444445],
+                [0.444445, -2.66667, 0.555556],
+            ],
+        ),
+        (
+            triangle(&[[0.1, 0.2]; 3]),
+            identity,
+            corner,
+            [
+                [0.989202, 0.0131971, 0.145961],
+                [0.0131971, 0.98387, -0.178397],
+            ],
+        ),
+    ];
+    for (i, (geometry, to_world, [x, y], expected)) in cases.into_iter().enumerate() {
+        let scene = scene(vec![shape(geometry, to_world)], Vec::new());
+        let point = cast(&scene, DVec3::new(x, y, 5.0), DVec3::NEG_Z).expect("a hit");
+        let found = scene.geometry.partial_derivatives(&point);
+        // Tangents in place of degenerate derivatives have unit length in any units.
+        let unit = if i == 5 { 1.0 } else { scene.unit };
+        for (found, expected) in found.into_iter().zip(expected) {
+            let error = found.as_dvec3() * unit - DVec3::from_array(expected);
+            assert!(error.length() < 2e-5, "{i}: {found} {expected:?}");
+        }
+    }
+}

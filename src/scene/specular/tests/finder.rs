@@ -46,8 +46,7 @@ fn shoot(
             DeltaLobe::Transmission
         };
         let sample = material.sample_delta(
-            &scene.textures,
-            point.uv,
+            &scene.material_context(&point),
             local,
             TransportMode::Radiance,
             lobe,

@@ -1,0 +1,320 @@
+//! Disney's model of solid surfaces: Mitsuba 3's `principled` (Burley 2015, "Extending the Disney BRDF to a BSDF
+//! with integrated subsurface scattering").
+//!
+//! It is the sum of a diffuse base with sheen, a clearcoat, and rough reflection and transmission by the same
+//! microfacets. Metals and dielectrics are blended by the weight of each.
+
+use glam::{Vec2, Vec3A};
+
+use super::context::MaterialContext;
+use super::dielectric::eta_across;
+use super::disney::{self, Base, ClearcoatMicrofacets};
+use super::fresnel::{self, Interface};
+use super::microfacet::{MicrofacetDistribution, Microfacets};
+use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use crate::math::Rgb;
+use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+
+/// Parameters of `Material::Principled`: indices of textures whose values are from 0 to 1, and the index of
+/// refraction.
+#[derive(Clone, Debug)]
+pub struct Principled {
+    /// Colour of the base; reflectance of metals at normal incidence.
+    pub base_color: u32,
+    /// Square root of alpha.
+    pub roughness: u32,
+    /// Elongation of highlights along dp/du.
+    pub anisotropic: u32,
+    /// Blends from dielectric to metal.
+    pub metallic: u32,
+    /// Blends from the base to transmission.
+    pub spec_trans: u32,
+    /// Blends specular reflection of dielectrics to the hue of the base.
+    pub spec_tint: u32,
+    /// Strength of sheen.
+    pub sheen: u32,
+    /// Blends sheen to the hue of the base.
+    pub sheen_tint: u32,
+    /// Blends the base to an approximation of subsurface scattering.
+    pub flatness: u32,
+    /// Strength of the clearcoat.
+    pub clearcoat: u32,
+    /// Gloss of the clearcoat.
+    pub clearcoat_gloss: u32,
+    /// Index of refraction inside over outside, not 1 if there is transmission.
+    pub eta: f32,
+    /// Whether `spec_trans` is positive anywhere.
+    pub transmits: bool,
+}
+
+/// `Material::Principled` at a point.
+pub(super) struct PrincipledBsdf {
+    base: Base,
+    metallic: f32,
+    spec_trans: f32,
+    spec_tint: f32,
+    clearcoat: f32,
+    clearcoat_microfacets: ClearcoatMicrofacets,
+    microfacets: Microfacets,
+    eta: f32,
+}
+
+/// Reflection or transmission by one microfacet.
+struct Facet {
+    /// D gamma gamma times the Jacobian of the half vector, 1/sr.
+    lobe: f32,
+    /// Density per steradian of sampling the light's direction by the microfacet, and of the camera's.
+    pdf_to_light: f32,
+    pdf_to_camera: f32,
+    /// Fresnel reflectance of a dielectric.
+    reflectance: f32,
+    /// Absolute cosine between the camera's direction and the normal of the microfacet.
+    cos: f32,
+    reflects: bool,
+}
+
+impl PrincipledBsdf {
+    #[inline]
+    pub fn new(material: &Principled, context: &MaterialContext) -> Self {
+        let scalar = |texture: u32| context.texture(texture).luminance();
+        let roughness = scalar(material.roughness);
+        let anisotropic = scalar(material.anisotropic);
+        let alphas = disney::alphas(roughness, anisotropic);
+        let ggx = MicrofacetDistribution::Ggx;
+        Self {
+            base: Base {
+                color: context.texture(material.base_color).color(),
+                roughness,
+                flatness: scalar(material.flatness),
+                sheen: scalar(material.sheen),
+                sheen_tint: scalar(material.sheen_tint),
+            },
+            metallic: scalar(material.metallic),
+            spec_trans: scalar(material.spec_trans),
+            spec_tint: scalar(material.spec_tint),
+            clearcoat: scalar(material.clearcoat),
+            clearcoat_microfacets: ClearcoatMicrofacets::new(scalar(material.clearcoat_gloss)),
+            microfacets: if anisotropic == 0.0 {
+                Microfacets::isotropic(ggx, alphas.x)
+            } else {
+                Microfacets::anisotropic(ggx, alphas, context.tangent())
+            },
+            eta: material.eta,
+        }
+    }
+
+    /// Weight of the diffuse base.
+    #[inline]
+    fn base_weight(&self) -> f32 {
+        (1.0 - self.metallic) * (1.0 - self.spec_trans)
+    }
+
+    /// Weight of transmission.
+    #[inline]
+    fn transmission_weight(&self) -> f32 {
+        (1.0 - self.metallic) * self.spec_trans
+    }
+
+    /// The microfacet that scatters one direction into the other, as in `rough_dielectric`; `None` if none does.
+    #[inline]
+    fn facet(&self, to_light: Vec3A, to_camera: Vec3A) -> Option<Facet> {
+        let across = eta_across(self.eta, to_camera);
+        let reflects = to_light.z * to_camera.z > 0.0;
+        // Index of the light's side over that of the camera's side.
+        let eta = if reflects { 1.0 } else { across };
+        let m = (to_camera + eta * to_light).normalize_or_zero();
+        let m = if m.z < 0.0 { -m } else { m };
+        let (light_m, camera_m) = (to_light.dot(m), to_camera.dot(m));
+        if !(light_m * to_light.z > 0.0 && camera_m * to_camera.z > 0.0) {
+            return None;
+        }
+        let cos = camera_m.abs().min(1.0);
+        let light = self.microfacets.masking_over_cosine(to_light);
+        let camera = self.microfacets.masking_over_cosine(to_camera);
+        let d = self.microfacets.density(m);
+        let (density, squared_index) = if reflects {
+            (0.25 * d, 1.0)
+        } else {
+            let root = camera_m + eta * light_m;
+            (d * (light_m * camera_m).abs() / (root * root), eta * eta)
+        };
+        Some(Facet {
+            lobe: density * light * camera,
+            pdf_to_light: density * camera * squared_index,
+            pdf_to_camera: density * light,
+            reflectance: fresnel::dielectric(cos, across).reflectance,
+            cos,
+            reflects,
+        })
+    }
+
+    /// Reflectance of the microfacets: that of a dielectric, that of a metal, and that of a dielectric tinted by the
+    /// base (Burley 2012, section 5.4; Burley 2015, section 5.1). From inside, that of the dielectric alone.
+    #[inline]
+    fn specular_reflectance(&self, facet: &Facet, in_front: bool) -> Rgb {
+        if !in_front {
+            return Rgb::splat(self.transmission_weight() * facet.reflectance);
+        }
+        let dielectric = (1.0 - self.metallic) * (1.0 - self.spec_tint) * facet.reflectance;
+        let mut sum = Rgb::splat(dielectric);
+        if self.metallic > 0.0 {
+            sum += self.metallic * disney::schlick(self.base.color, facet.cos, self.eta);
+        }
+        if self.spec_tint > 0.0 {
+            let r0 = disney::hue(self.base.color) * disney::normal_reflectance(self.eta);
+            let tinted = disney::schlick(r0, facet.cos, self.eta);
+            sum += (1.0 - self.metallic) * self.spec_tint * tinted;
+        }
+        sum
+    }
+
+    /// The base, its sheen and the clearcoat, with the densities of sampling the first and the last. Both
+    /// directions are in front.
+    #[inline]
+    fn evaluate_layers(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
+        let chosen = self.choices();
+        let mut f = Rgb::ZERO;
+        if self.base_weight() > 0.0 {
+            f += self.base_weight() * self.base.diffuse(to_light, to_camera)
+                + (1.0 - self.metallic) * self.base.sheen(to_light, to_camera);
+        }
+        let pdf = |direction: Vec3A| chosen.base * cosine_hemisphere_pdf(direction.z);
+        let layers = BsdfEvaluation {
+            f,
+            pdf_to_light: pdf(to_light),
+            pdf_to_camera: pdf(to_camera),
+        };
+        if self.clearcoat == 0.0 {
+            return layers;
+        }
+        // f = c/4 F D G, sampled by D cos / (4 |v.m|) (Burley 2012, section 5.6)
+        let m = (to_light + to_camera).normalize();
+        let cos = to_camera.dot(m).clamp(0.0, 1.0);
+        let d = self.clearcoat_microfacets.density(m);
+        let masking = ClearcoatMicrofacets::masking;
+        let fresnel = disney::schlick(Rgb::splat(0.04), cos, self.eta);
+        let weight = 0.25 * self.clearcoat * d * masking(to_light) * masking(to_camera);
+        let pdf = chosen.clearcoat * d * m.z / (4.0 * cos.max(1e-6));
+        layers
+            + BsdfEvaluation {
+                f: weight * fresnel,
+                pdf_to_light: pdf,
+                pdf_to_camera: pdf,
+            }
+    }
+
+    /// Probabilities of the lobes from the front, in proportion to their weights.
+    #[inline]
+    fn choices(&self) -> Choices {
+        let total = 1.0 + 0.25 * self.clearcoat + self.base_weight();
+        Choices {
+            base: self.base_weight() / total,
+            clearcoat: 0.25 * self.clearcoat / total,
+            specular: total.recip(),
+        }
+    }
+
+    /// Probabilities of reflection and of transmission by a microfacet of Fresnel reflectance `reflectance`, for a
+    /// direction in front or inside. From inside there is nothing else.
+    #[inline]
+    fn facet_choices(&self, reflectance: f32, in_front: bool) -> (f32, f32) {
+        let transmission = self.transmission_weight();
+        if in_front {
+            let specular = self.choices().specular;
+            let transmitted = transmission * (1.0 - reflectance);
+            (specular * (1.0 - transmitted), specular * transmitted)
+        } else if transmission > 0.0 {
+            (reflectance, 1.0 - reflectance)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
+/// Probabilities of lobes.
+struct Choices {
+    base: f32,
+    clearcoat: f32,
+    specular: f32,
+}
+
+impl Bsdf for PrincipledBsdf {
+    fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
+        if to_light.z == 0.0 || to_camera.z == 0.0 {
+            return BsdfEvaluation::ZERO;
+        }
+        let (light_in_front, in_front) = (to_light.z > 0.0, to_camera.z > 0.0);
+        let layers = if light_in_front && in_front {
+            self.evaluate_layers(to_light, to_camera)
+        } else {
+            BsdfEvaluation::ZERO
+        };
+        let Some(facet) = self.facet(to_light, to_camera) else {
+            return layers;
+        };
+        let f = if facet.reflects {
+            facet.lobe * self.specular_reflectance(&facet, in_front)
+        } else {
+            let weight = self.transmission_weight() * (1.0 - facet.reflectance) * facet.lobe;
+            weight * self.base.color.map(f32::sqrt)
+        };
+        let probability = |from_front: bool| {
+            let (reflection, transmission) = self.facet_choices(facet.reflectance, from_front);
+            if facet.reflects {
+                reflection
+            } else {
+                transmission
+            }
+        };
+        layers
+            + BsdfEvaluation {
+                f,
+                pdf_to_light: facet.pdf_to_light * probability(in_front),
+                pdf_to_camera: facet.pdf_to_camera * probability(light_in_front),
+            }
+    }
+
+    fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if from.z == 0.0 {
+            return None;
+        }
+        let in_front = from.z > 0.0;
+        let mut u_lobe = u_lobe;
+        if in_front {
+            let Choices {
+                base, clearcoat, ..
+            } = self.choices();
+            if u_lobe < base {
+                return self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0);
+            }
+            if u_lobe < base + clearcoat {
+                let m = self.clearcoat_microfacets.sample(u);
+                let direction = (2.0 * from.dot(m) * m - from).normalize();
+                return (from.dot(m) > 0.0 && direction.z > 0.0)
+                    .then(|| self.density_sample(from, direction, mode, 1.0))?;
+            }
+            u_lobe -= base + clearcoat;
+        }
+        let side = 1.0_f32.copysign(from.z);
+        let v = from * side;
+        let m = self.microfacets.sample_visible(v, u);
+        let cos = v.dot(m).clamp(0.0, 1.0);
+        let across = eta_across(self.eta, from);
+        let Interface { reflectance, cos_t } = fresnel::dielectric(cos, across);
+        let (reflection, transmission) = self.facet_choices(reflectance, in_front);
+        // The sum is below 1 by the rounding of `u_lobe`: transmission comes first, as it may be impossible.
+        let (direction, eta) = if u_lobe < transmission {
+            let inv_eta = across.recip();
+            let direction = (cos * inv_eta - cos_t) * m - v * inv_eta;
+            (direction, across)
+        } else if reflection > 0.0 {
+            (2.0 * cos * m - v, 1.0)
+        } else {
+            return None;
+        };
+        if (eta == 1.0) != (direction.z > 0.0) {
+            return None;
+        }
+        self.density_sample(from, side * direction.normalize(), mode, eta)
+    }
+}
