@@ -175,6 +175,17 @@ fn coarse_meshes_are_adjoint() {
     assert_agreement("tests/scenes/coarse.xml", &[], &methods);
 }
 
+/// Delta lobes beside those that chains take: light that passes a mask or a pane, mirrors and glass under paint, and
+/// reflection at perturbed normals; and their densities in light and camera subpaths.
+#[test]
+fn materials_made_of_others() {
+    assert_agreement(
+        "tests/scenes/composites.xml",
+        &[],
+        &[(Path, 96), (Bdpt, 24), (Pssmlt, 48), (Mmlt, 16)],
+    );
+}
+
 /// A thin lens, diffuse plates and a lamp in view.
 #[test]
 fn lenses() {

@@ -56,8 +56,12 @@ fn mutations_and_samples_allocate_nothing() {
         allocations(|| drop(std::hint::black_box(vec![1u8; 100]))) > 0,
         "the counter counts"
     );
-    for name in ["spheres", "pool"] {
-        let scene = common::load(&format!("scenes/{name}/scene.xml"), &[]);
+    for name in [
+        "scenes/spheres/scene.xml",
+        "scenes/pool/scene.xml",
+        "tests/scenes/composites.xml",
+    ] {
+        let scene = common::load(name, &[]);
         let mut target = SplatTarget::new(&scene, BidirectionalPathTracer);
         let start = bootstrap::sample(0, 0);
         let rng = seeds::chain_generators(0, 1).remove(0);

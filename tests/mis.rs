@@ -107,3 +107,15 @@ fn weights_equal_the_reference_on_all_kinds_of_emitters_and_materials() {
         }
     }
 }
+
+/// Delta lobes of masks, panes, blends and perturbed normals. The reference recognises lobes with a probability above 1/64;
+/// these samples have no others.
+#[test]
+fn weights_equal_the_reference_with_materials_made_of_others() {
+    let scene = common::load("tests/scenes/composites.xml", &[]);
+    let seen = compare(&scene, 4000);
+    for technique in "(0,2) (0,3) (0,4) (1,2) (1,3) (2,2) (2,1) (3,1)".split_whitespace() {
+        let count = seen.get(technique).copied().unwrap_or(0);
+        assert!(count >= 20, "technique {technique} was made {count} times");
+    }
+}

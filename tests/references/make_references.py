@@ -90,6 +90,10 @@ REFERENCES = [
     ],
     # Lit by what light subpaths scatter at tilted shading normals and through water.
     reference("tests/scenes/adjoint.xml", 1024, name="adjoint"),
+    # Materials made of others, and anisotropic ones.
+    *[reference(name, 256) for name in (
+        "mask", "thindielectric", "blendbsdf", "anisotropic", "normalmap", "bumpmap", "principled", "principledthin",
+    )],
 ]
 # The small scenes have much in common: with the same random numbers their noise would be alike too.
 for number, entry in enumerate(entry for entry in REFERENCES if entry["scene"].startswith("tests/")):

@@ -268,6 +268,137 @@ def textures():
     )
 
 
+# Materials made of others, and anisotropic ones --------------------------------------------------
+
+
+def mask(opacity, nested):
+    return bsdf("mask", opacity, nested)
+
+
+def composites():
+    metal = bsdf("roughconductor", string("material", "Cu"), number("alpha", 0.3))
+    squares = texture("checkerboard", to_uv(element("scale", x="8", y="4")), name="opacity")
+    yield "mask", stage(
+        "Masks: half of a metal, a chequered diffuse ball, a picture on a sheet.",
+        *three_balls(mask(number("opacity", 0.5), metal), mask(squares, bsdf("twosided", diffuse((0.8, 0.3, 0.1))))),
+        shape(
+            "rectangle",
+            transform(scale(0.45), rotate("y", 20), translate(1.05, 0.5, 0)),
+            mask(picture(name="opacity"), bsdf("twosided", diffuse((0.2, 0.3, 0.8)))),
+        ),
+    )
+    panes = [
+        shape("rectangle", transform(scale(0.45), rotate("y", angle), translate(x, 0.5, 0.3)), material)
+        for x, angle, material in (
+            (-1.05, 25, bsdf("thindielectric")),
+            (0, 0, bsdf("thindielectric", rgb("specular_transmittance", (0.9, 0.5, 0.3)), number("int_ior", 2.2))),
+        )
+    ]
+    yield "thindielectric", stage(
+        "Panes of glass, clear and coloured, before a wall; a thin bubble.",
+        shape("rectangle", transform(scale(1.6, 0.5, 1), translate(0, 0.5, -0.8)), diffuse((0.6, 0.5, 0.3))),
+        *panes,
+        shape("sphere", point("center", PLACES[2]), number("radius", 0.45), bsdf("thindielectric")),
+    )
+    blend = texture("checkerboard", to_uv(element("scale", x="6", y="3")), name="weight")
+    yield "blendbsdf", stage(
+        "Blends: by a number, by a texture, and of blends.",
+        *three_balls(
+            bsdf("blendbsdf", number("weight", 0.3), diffuse((0.8, 0.3, 0.1)), metal),
+            bsdf("blendbsdf", blend, diffuse((0.2, 0.7, 0.3)), bsdf("roughplastic", number("alpha", 0.2))),
+            bsdf(
+                "blendbsdf", number("weight", 0.6),
+                bsdf("blendbsdf", number("weight", 0.5), diffuse((0.2, 0.3, 0.8)), metal),
+                bsdf("roughdielectric", number("alpha", 0.3)),
+            ),
+        ),
+    )
+    yield "anisotropic", stage(
+        "Roughness that differs along u and v, and varies: on spheres, and on a mesh with smooth normals.",
+        *three_balls(
+            bsdf(
+                "roughconductor", string("material", "Au"), string("distribution", "ggx"),
+                number("alpha_u", 0.1), number("alpha_v", 0.5),
+            ),
+            bsdf("roughdielectric", number("alpha_u", 0.4), number("alpha_v", 0.1)),
+        ),
+        shape(
+            "obj", string("filename", "fold.obj"),
+            transform(translate(1.05, 0.05, 0)),
+            bsdf(
+                "twosided",
+                bsdf("roughconductor", picture(boolean("raw", True), name="alpha_u"), number("alpha_v", 0.15)),
+            ),
+        ),
+    )
+    bumps = picture(boolean("raw", True), to_uv(scale(2)), name="normalmap")
+    yield "normalmap", stage(
+        "Normal maps on a sphere, on a sheet, and on a mesh with smooth normals.",
+        *three_balls(bsdf("normalmap", bumps, diffuse((0.8, 0.6, 0.4)))),
+        shape(
+            "rectangle",
+            transform(scale(0.45), rotate("y", 20), translate(0, 0.5, 0)),
+            bsdf("normalmap", bumps, bsdf("roughconductor", string("material", "Ag"), number("alpha", 0.2))),
+        ),
+        shape(
+            "obj", string("filename", "fold.obj"),
+            transform(translate(1.05, 0.05, 0)),
+            bsdf("normalmap", bumps, bsdf("twosided", diffuse((0.3, 0.5, 0.8)))),
+        ),
+    )
+    height = picture(boolean("raw", True), to_uv(scale(2)), name="displacement")
+    yield "bumpmap", stage(
+        "Bump maps on a sphere, on a sheet, and on a mesh with smooth normals.",
+        *three_balls(bsdf("bumpmap", height, number("scale", 0.3), diffuse((0.8, 0.6, 0.4)))),
+        shape(
+            "rectangle",
+            transform(scale(0.45), rotate("y", 20), translate(0, 0.5, 0)),
+            bsdf(
+                "bumpmap", height, number("scale", 0.2),
+                bsdf("roughconductor", string("material", "Ag"), number("alpha", 0.2)),
+            ),
+        ),
+        shape(
+            "obj", string("filename", "fold.obj"),
+            transform(translate(1.05, 0.05, 0)),
+            bsdf("bumpmap", height, number("scale", 0.2), bsdf("twosided", diffuse((0.3, 0.5, 0.8)))),
+        ),
+    )
+    yield "principled", stage(
+        "Disney's solid materials: metal and clearcoat, sheen and subsurface, glass.",
+        *three_balls(
+            bsdf(
+                "principled", rgb("base_color", (0.8, 0.5, 0.2)), number("roughness", 0.4), number("metallic", 0.7),
+                number("anisotropic", 0.6), number("clearcoat", 1), number("clearcoat_gloss", 0.3),
+                number("spec_tint", 0.5),
+            ),
+            bsdf(
+                "principled", picture(name="base_color"), number("roughness", 0.7), number("flatness", 0.6),
+                number("sheen", 0.8), number("sheen_tint", 0.5), number("specular", 0.8),
+            ),
+            bsdf(
+                "principled", rgb("base_color", (0.6, 0.8, 0.9)), number("roughness", 0.4), number("spec_trans", 0.9),
+                number("eta", 1.4),
+            ),
+        ),
+    )
+    thin = [
+        bsdf("principledthin", rgb("base_color", (0.8, 0.5, 0.2)), number("sheen", 0.5), number("flatness", 0.5)),
+        bsdf("principledthin", picture(name="base_color"), number("diff_trans", 1.2)),
+        bsdf(
+            "principledthin", rgb("base_color", (0.6, 0.8, 0.9)), number("spec_trans", 0.8), number("roughness", 0.5),
+            number("eta", 1.4), number("spec_tint", 0.5), number("anisotropic", 0.5),
+        ),
+    ]
+    yield "principledthin", stage(
+        "Disney's thin materials: reflection, diffuse transmission, rough transmission.",
+        *[
+            shape("rectangle", transform(scale(0.45), rotate("y", angle), translate(x, 0.5, 0)), material)
+            for x, angle, material in zip((-1.05, 0, 1.05), (20, 150, -20), thin)
+        ],
+    )
+
+
 # Emitters ----------------------------------------------------------------------------------------
 
 
@@ -546,7 +677,7 @@ def main():
     (FOLDER / "fold.obj").write_text(FOLD, encoding="ascii", newline="\n")
     write_ply(FOLDER / "coarse.ply", coarse_ball())
     write_ply(FOLDER / "bare.ply", coarse_ball(), normals=False)
-    for family in (materials, textures, emitters, shapes, cameras):
+    for family in (materials, textures, composites, emitters, shapes, cameras):
         for name, text in family():
             (FOLDER / f"{name}.xml").write_text(text, encoding="utf-8", newline="\n")
 
