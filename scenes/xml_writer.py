@@ -146,17 +146,17 @@ def defaults(**values):
     return [line for name, value in values.items() for line in element("default", name=name, value=value)]
 
 
-def camera(origin, target, fov, *more, fov_axis="x", lens=None, up=(0, 1, 0), rfilter=("box",)):
-    """The sensor with its film; lens is (aperture_radius, focus_distance) of a thin lens, rfilter
-    the type of the reconstruction filter followed by its parameters."""
+def camera(origin, target, fov, *more, fov_axis="x", lens=None, width=None, up=(0, 1, 0), rfilter=("box",)):
+    """The sensor with its film; lens is (aperture_radius, focus_distance) of a thin lens, width that of what
+    an orthographic camera shows, rfilter the type of the reconstruction filter followed by its parameters."""
     return element(
         "sensor",
-        string("fov_axis", fov_axis),
-        number("fov", fov),
+        None if width else string("fov_axis", fov_axis),
+        None if width else number("fov", fov),
         number("aperture_radius", lens[0]) if lens else None,
         number("focus_distance", lens[1]) if lens else None,
         *more,
-        transform(lookat(origin, target, up)),
+        transform(*([scale(width / 2, width / 2, 1)] if width else []), lookat(origin, target, up)),
         element("sampler", integer("sample_count", "$spp"), type="independent"),
         element(
             "film",
@@ -165,19 +165,20 @@ def camera(origin, target, fov, *more, fov_axis="x", lens=None, up=(0, 1, 0), rf
             element("rfilter", *rfilter[1:], type=rfilter[0]),
             type="hdrfilm",
         ),
-        type="thinlens" if lens else "perspective",
+        type="orthographic" if width else "thinlens" if lens else "perspective",
     )
 
 
-def integrator():
-    return element("integrator", integer("max_depth", "$max_depth"), type="$integrator")
+def integrator(*parameters):
+    return element("integrator", integer("max_depth", "$max_depth"), *parameters, type="$integrator")
 
 
-def scene(note, values, *sections):
-    """A whole file as text: a note, the parameters with their defaults, and sections of elements."""
+def scene(note, values, *sections, method=()):
+    """A whole file as text: a note, the parameters with their defaults, and sections of elements; `method`
+    are further parameters of the integrator."""
     lines = ['<scene version="3.0.0">']
     lines += ["    " + line for line in comment(note)]
-    blocks = [defaults(**values), integrator(), *sections]
+    blocks = [defaults(**values), integrator(*method), *sections]
     for block in blocks:
         lines.append("")
         lines += ["    " + line if line else "" for line in block]

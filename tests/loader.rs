@@ -9,6 +9,8 @@ mod images;
 mod materials;
 #[path = "loader/meshes.rs"]
 mod meshes;
+#[path = "loader/published.rs"]
+mod published;
 #[path = "loader/robustness.rs"]
 mod robustness;
 
@@ -19,7 +21,8 @@ use glam::{DMat4, DVec3, Vec3A};
 use metrolight::film::Filter;
 use metrolight::mitsuba::{LoadError, Loaded, Overrides, load, load_with};
 use metrolight::scene::{
-    DepthLimits, EmitterDescription, Material, Roughness, SceneDescription, ShapeGeometry, Texture,
+    DepthLimits, EmitterDescription, Material, Projection, Radiance, Roughness, SceneDescription,
+    ShapeGeometry, Texture,
 };
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -52,6 +55,14 @@ fn description(body: &str) -> SceneDescription {
     match load_body(body) {
         Ok(loaded) => loaded.description,
         Err(error) => panic!("{body}: {error}"),
+    }
+}
+
+/// The horizontal field of view of a perspective camera, in degrees.
+fn fov_x(scene: &SceneDescription) -> f64 {
+    match scene.camera.projection {
+        Projection::Perspective { fov_x, .. } => fov_x,
+        Projection::Orthographic { .. } => panic!("a perspective camera"),
     }
 }
 
@@ -99,9 +110,12 @@ fn every_supported_plugin_is_loaded() {
     assert_eq!((scene.film.width, scene.film.height), (320, 200));
     assert_eq!(scene.film.filter, Filter::Tent { radius: 1.5 });
     let camera = &scene.camera;
-    assert!((camera.fov_x - 60.428_966_5).abs() < 4e-6);
+    let Projection::Perspective { fov_x, lens } = camera.projection else {
+        panic!("a perspective camera");
+    };
+    assert!((fov_x - 60.428_966_5).abs() < 4e-6);
     assert_eq!((camera.near_clip, camera.far_clip), (0.1, 1000.0));
-    let lens = camera.lens.expect("a thin lens");
+    let lens = lens.expect("a thin lens");
     assert_eq!((lens.aperture_radius, lens.focus_distance), (0.05, 3.0));
 
     assert_eq!(scene.shapes.len(), 7);
@@ -136,7 +150,8 @@ fn every_supported_plugin_is_loaded() {
         panic!("{:?}", shape(5).geometry);
     };
     assert_eq!((center, radius), (DVec3::new(1.0, 2.0, 3.0), 0.5));
-    assert_eq!(shape(5).emission, Some(Vec3A::new(1.0, 2.0, 3.0)));
+    let radiance = Radiance::Constant(Vec3A::new(1.0, 2.0, 3.0));
+    assert_eq!(shape(5).emission, Some(radiance));
     let Material::Conductor { eta, k, .. } = material(6) else {
         panic!("{:?}", material(6));
     };
@@ -202,16 +217,21 @@ fn defaults_match_mitsuba() {
     assert_eq!((scene.film.width, scene.film.height), (768, 576));
     assert_eq!(scene.film.filter, Filter::Gaussian { stddev: 0.5 });
     // Mitsuba: x_fov = 38.18484115600586 for focal_length = 50mm.
-    assert!((scene.camera.fov_x - 38.184_841).abs() < 1e-5);
+    assert!((fov_x(&scene) - 38.184_841).abs() < 1e-5);
     assert_eq!(scene.camera.near_clip, 0.01);
     assert_eq!(scene.camera.far_clip, 1e4);
-    assert!(scene.camera.lens.is_none());
+    let projection = scene.camera.projection;
+    assert!(matches!(
+        projection,
+        Projection::Perspective { lens: None, .. }
+    ));
     let albedo = |i: usize| match &scene.materials[scene.shapes[i].material as usize] {
         Material::Diffuse { reflectance } => scene.textures[*reflectance as usize].mean().x,
         other => panic!("{other:?}"),
     };
     assert_eq!((albedo(0), albedo(1)), (0.5, 0.0));
-    assert_eq!(scene.shapes[1].emission, Some(Vec3A::ONE));
+    let radiance = Radiance::Constant(Vec3A::ONE);
+    assert_eq!(scene.shapes[1].emission, Some(radiance));
     let rough = &scene.materials[scene.shapes[2].material as usize];
     let Material::RoughConductor {
         roughness, eta, k, ..
@@ -304,7 +324,7 @@ fn fields_of_view_match_mitsuba() {
                <film type="hdrfilm"><integer name="width" value="{width}"/>
                <integer name="height" value="{height}"/></film></sensor></scene>"#
         ));
-        let found = found.expect("a scene").description.camera.fov_x;
+        let found = fov_x(&found.expect("a scene").description);
         assert!(
             (found - x_fov).abs() < 4e-6,
             "{size:?} {parameters}: {found}"
@@ -322,7 +342,7 @@ fn overriding_the_size_changes_the_field_of_view() {
     let scene = load_with(&path, &[], Overrides { size }).expect("a scene");
     let scene = scene.description;
     assert_eq!((scene.film.width, scene.film.height), (200, 320));
-    assert!((scene.camera.fov_x - 40.0).abs() < 1e-9);
+    assert!((fov_x(&scene) - 40.0).abs() < 1e-9);
 }
 
 #[test]

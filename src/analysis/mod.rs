@@ -1,4 +1,5 @@
-//! Analysis of a scene before it is rendered: light that is lost, rare or trapped.
+//! Analysis of a scene before it is rendered: light that is lost, rare or trapped, and views that are probably
+//! mistakes.
 //!
 //! ```
 //! use metrolight::analysis::{Loss, lost_light};
@@ -13,8 +14,10 @@
 //! ```
 
 pub mod lost_light;
+pub mod odd_view;
 mod probe;
 pub mod trapped_light;
 
 pub use lost_light::{Loss, LostLight, lost_light};
+pub use odd_view::{OddView, odd_view};
 pub use trapped_light::{TrappedLight, trapped_light};

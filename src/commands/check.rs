@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use metrolight::analysis::odd_view;
 use metrolight::film::Filter;
+use metrolight::mitsuba::LoadError;
 use metrolight::scene::{Material, Scene};
 use metrolight::technique::TechniqueSet;
+use serde_json::{Map, Value, json};
 
 use super::numbers::quantity;
 use super::source::SceneArgs;
@@ -20,13 +23,41 @@ Exit codes: 0 the scene can be rendered (perhaps with warnings), 2 it cannot")]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
+
+    /// Print one JSON object on stdout instead: the contents and warnings, or the errors
+    #[arg(long)]
+    json: bool,
 }
 
-/// Prints the scene on stdout and warnings on stderr.
+/// Prints the scene on stdout and warnings on stderr, or both as JSON on stdout.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
-    let opened = args.scene.open(None)?;
+    let opened = match args.scene.open(None) {
+        Err(report) if args.json => {
+            let errors = messages(&report);
+            print(json!({ "scene": args.scene.path, "loads": false, "errors": errors }));
+            return Err(report);
+        }
+        opened => opened?,
+    };
+    let mut warnings = opened.warnings.clone();
+    warnings.extend(odd_view(&opened.scene).iter().map(wording::odd_view));
+    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional));
+    let contents = describe(&opened.scene);
+    if args.json {
+        let contents: Map<String, Value> = contents
+            .into_iter()
+            .map(|(what, text)| (what.into(), text.into()))
+            .collect();
+        print(json!({
+            "scene": args.scene.path,
+            "loads": true,
+            "contents": contents,
+            "warnings": warnings,
+        }));
+        return Ok(Outcome::Done);
+    }
     print(args.scene.path.display());
-    for (what, text) in describe(&opened.scene) {
+    for (what, text) in contents {
         print(format_args!("  {what:<10} {text}"));
     }
     if let Some(choice) = &opened.specular {
@@ -37,9 +68,16 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         ));
     }
     print(format_args!("  {:<10} {}", "time", opened.times()));
-    warn(&opened.warnings);
-    warn(opened.lost_light(TechniqueSet::Bidirectional));
+    warn(&warnings);
     Ok(Outcome::Done)
+}
+
+/// The message of an error, and those of the faults found after it.
+fn messages(report: &miette::Report) -> Vec<String> {
+    match report.downcast_ref::<LoadError>() {
+        Some(error) => error.faults().map(ToString::to_string).collect(),
+        None => vec![report.to_string()],
+    }
 }
 
 fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
@@ -102,14 +140,24 @@ fn image(scene: &Scene) -> String {
         Filter::Tent { radius } => format!("tent of radius {radius}"),
         Filter::Gaussian { stddev } => format!("Gaussian of standard deviation {stddev}"),
     };
-    format!("{} x {} pixels, filter {filter}", film.width, film.height)
+    let part = film.crop.map_or(String::new(), |crop| {
+        let ([left, top], [width, height]) = (crop.offset, crop.size);
+        format!(", of which {width} x {height} from column {left} and row {top} on are kept")
+    });
+    format!(
+        "{} x {} pixels{part}, filter {filter}",
+        film.width, film.height
+    )
 }
 
 fn camera(scene: &Scene) -> String {
-    if scene.camera.is_pinhole() {
-        "pinhole"
-    } else {
+    let camera = &scene.camera;
+    if camera.is_orthographic() {
+        "orthographic"
+    } else if camera.has_lens() {
         "thin lens"
+    } else {
+        "pinhole"
     }
     .into()
 }

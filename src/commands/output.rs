@@ -1,10 +1,11 @@
 //! The files that a render writes.
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use metrolight::film::{
-    AttributeValue, ExrLayer, check_writable, replace_file, write_exr, write_png,
+    AttributeValue, Crop, ExrLayer, check_writable, replace_file, write_exr, write_png,
 };
 use metrolight::render::{Budget, Rendering};
 use miette::{IntoDiagnostic, bail, miette};
@@ -47,8 +48,13 @@ impl Outputs {
     }
 
     /// Writes all files.
-    pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
-        write_rendering(&self.exr, rendering, report)?;
+    pub fn write(
+        &self,
+        rendering: &Rendering,
+        crop: Option<&Crop>,
+        report: &Value,
+    ) -> miette::Result<()> {
+        write_rendering(&self.exr, rendering, crop, report)?;
         if let Some(path) = &self.stats {
             write_json(path, report)?;
         }
@@ -59,17 +65,29 @@ impl Outputs {
 /// The layer of standard errors in an image that was rendered with `--error`.
 pub const STANDARD_ERROR: &str = "standard_error";
 
-/// Writes the image to `exr`, with its standard errors as a layer and `report` as attributes, and the
+/// Writes the part `crop` of the image to `exr`, with its standard errors as a layer and `report` as attributes, and the
 /// preview with the same stem.
-pub fn write_rendering(exr: &Path, rendering: &Rendering, report: &Value) -> miette::Result<()> {
-    let image = &rendering.image;
-    let error = rendering.error.as_ref();
-    let layers: Vec<ExrLayer> = error
-        .map(|error| (STANDARD_ERROR, &*error.standard_errors))
-        .into_iter()
+pub fn write_rendering(
+    exr: &Path,
+    rendering: &Rendering,
+    crop: Option<&Crop>,
+    report: &Value,
+) -> miette::Result<()> {
+    let whole = &rendering.image;
+    let image = match crop {
+        Some(crop) => Cow::Owned(whole.part(crop)),
+        None => Cow::Borrowed(whole),
+    };
+    let errors = rendering.error.as_ref().map(|error| match crop {
+        Some(crop) => Cow::Owned(crop.of(whole.width, &error.standard_errors)),
+        None => Cow::Borrowed(&*error.standard_errors),
+    });
+    let layers: Vec<ExrLayer> = errors
+        .iter()
+        .map(|errors| (STANDARD_ERROR, &**errors))
         .collect();
-    write_exr(exr, image, &layers, &attributes(report)).into_diagnostic()?;
-    write_png(&exr.with_extension("png"), image).into_diagnostic()
+    write_exr(exr, &image, &layers, &attributes(report)).into_diagnostic()?;
+    write_png(&exr.with_extension("png"), &image).into_diagnostic()
 }
 
 /// Writes a whole file, or leaves the existing one unchanged.

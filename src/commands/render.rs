@@ -146,9 +146,10 @@ pub fn run(args: Args) -> miette::Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     let report = statistics::json(&args.scene, &opened, &settings, &rendering, &warnings);
-    outputs.write(&rendering, &report.into_diagnostic()?)?;
+    let crop = opened.scene.film.crop.as_ref();
+    outputs.write(&rendering, crop, &report.into_diagnostic()?)?;
     if !args.run.quiet {
-        print(statistics::summary(&outputs, &rendering));
+        print(statistics::summary(&outputs, &rendering, crop));
     }
     if rendering.interrupted {
         eprint("interrupted: the image holds the samples taken so far");

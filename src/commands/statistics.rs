@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use metrolight::film::Crop;
 use metrolight::render::{
     MmltStatistics, MutationStatistics, PssmltStatistics, Rendering, Settings, Statistics,
 };
@@ -66,9 +67,13 @@ pub fn json(
 }
 
 /// A few lines: the files written, the number of samples, the speed and the error.
-pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
+pub fn summary(outputs: &Outputs, rendering: &Rendering, crop: Option<&Crop>) -> String {
     let statistics = &rendering.statistics;
     let [width, height] = statistics.size;
+    let written = match crop {
+        Some(Crop { size: [w, h], .. }) => format!("{w} x {h} of {width} x {height} pixels"),
+        None => format!("{width} x {height} pixels"),
+    };
     let files = match &outputs.stats {
         Some(stats) => format!(
             "{}, {} and {}",
@@ -84,7 +89,7 @@ pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
         None => "samples",
     };
     let mut lines = vec![
-        format!("wrote {files}: {width} x {height} pixels"),
+        format!("wrote {files}: {written}"),
         format!(
             "{}: {} {unit} ({} per pixel) in {}, {} per second on {} threads",
             statistics.integrator.name(),

@@ -2,7 +2,7 @@
 
 use metrolight::analysis::lost_light::PROBES;
 use metrolight::analysis::trapped_light::BOUNCES;
-use metrolight::analysis::{Loss, LostLight, TrappedLight};
+use metrolight::analysis::{Loss, LostLight, OddView, TrappedLight};
 use metrolight::render::{Choice, ChoiceReason, SpecularChoice, Warning};
 use metrolight::scene::ChainSearch;
 use metrolight::technique::TechniqueSet;
@@ -63,6 +63,35 @@ pub fn specular_choice(choice: &SpecularChoice) -> String {
         "specular next event estimation: {place} (from every vertex, {:.2} times the error is expected)",
         choice.gain.recip()
     )
+}
+
+/// What is probably a mistake in a scene.
+pub fn odd_view(odd: &OddView) -> String {
+    match odd {
+        OddView::BackFaces { surfaces, share } => format!(
+            "{:.0}% of the image shows the backs of surfaces, which are black: {}. Turn them around with \
+             `flip_normals`, or put their materials into `twosided`",
+            100.0 * share,
+            some_of(surfaces)
+        ),
+        OddView::BeyondFarClip => {
+            "the camera sees nothing: all surfaces in view lie beyond its `far_clip`".into()
+        }
+        OddView::LampFacesAway { surface } => format!(
+            "{surface} lights nothing and is not seen: the side that shines faces away. Turn it around \
+             with `flip_normals`"
+        ),
+    }
+}
+
+/// The first names of a list, and how many more there are.
+fn some_of(names: &[String]) -> String {
+    const SHOWN: usize = 3;
+    let shown = names.iter().take(SHOWN).cloned().collect::<Vec<_>>();
+    match names.len().saturating_sub(SHOWN) {
+        0 => shown.join(", "),
+        rest => format!("{} and {rest} more", shown.join(", ")),
+    }
 }
 
 /// Where an image is too dark, or may be.

@@ -13,6 +13,37 @@ pub struct Image {
     pub pixels: Vec<[f32; 3]>,
 }
 
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Columns and rows before it.
+    pub offset: [usize; 2],
+    /// Its columns and rows.
+    pub size: [usize; 2],
+}
+
+impl Crop {
+    /// The pixels within the rectangle, of an image with `width` pixels in a row.
+    pub fn of<T: Copy>(&self, width: usize, pixels: &[T]) -> Vec<T> {
+        let [left, top] = self.offset;
+        let [columns, rows] = self.size;
+        let row = |y: usize| &pixels[(top + y) * width + left..][..columns];
+        (0..rows).flat_map(row).copied().collect()
+    }
+}
+
+impl Image {
+    /// The part within a rectangle.
+    pub fn part(&self, crop: &Crop) -> Self {
+        let [width, height] = crop.size;
+        Self {
+            width,
+            height,
+            pixels: crop.of(self.width, &self.pixels),
+        }
+    }
+}
+
 /// An image with the other contents of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnnotatedImage {

@@ -22,7 +22,7 @@ pub mod read;
 pub mod sampler;
 pub mod splats;
 
-pub use self::image::{AnnotatedImage, AttributeValue, Image};
+pub use self::image::{AnnotatedImage, AttributeValue, Crop, Image};
 pub use accumulate::Film;
 pub use exr::{ExrLayer, write_exr};
 pub use file::{WriteError, check_writable, replace_file};

@@ -1,10 +1,12 @@
 //! The state of a scene under construction, which the plugins read and extend.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use super::error::{LoadError, Warning};
-use super::xml::{Object, Property, Tag, Tree};
+use super::error::{Faults, LoadError, Warning};
+use super::ignored::{Ignored, is_of_a_fork};
+use super::xml::{Object, Property, Tag, Tree, Value};
 use crate::scene::{EmitterDescription, Material, ShapeDescription, Texture};
 
 /// What the user specifies in place of the scene file.
@@ -36,6 +38,10 @@ pub struct Builder<'a> {
     pub emitters: Vec<EmitterDescription>,
     /// Suspicious parts of the scene files.
     pub warnings: &'a mut Vec<Warning>,
+    /// Why objects cannot be built. The others are built nevertheless, to find all faults.
+    pub faults: Faults,
+    /// Parameters that are left out of account.
+    ignored: RefCell<Ignored>,
 }
 
 impl<'a> Builder<'a> {
@@ -52,6 +58,8 @@ impl<'a> Builder<'a> {
             shapes: Vec::new(),
             emitters: Vec::new(),
             warnings,
+            faults: Faults::default(),
+            ignored: RefCell::default(),
         }
     }
 
@@ -63,6 +71,12 @@ impl<'a> Builder<'a> {
     /// The only nested object of the kind `tag`, if there is one.
     pub fn child(&self, object: &Object, tag: Tag) -> Result<Option<usize>, LoadError> {
         object.child(&self.tree.objects, tag)
+    }
+
+    /// The indices of all nested objects of the kind `tag`.
+    pub fn children(&self, object: &Object, tag: Tag) -> Vec<usize> {
+        let children = object.children(&self.tree.objects, tag);
+        children.map(|(index, _)| index).collect()
     }
 
     /// The indices of the BSDFs nested in `object`. The object may still reject them.
@@ -83,9 +97,38 @@ impl<'a> Builder<'a> {
             .collect()
     }
 
-    /// Checks that all parameters and nested objects of `object` have been read.
+    /// True if an object other than the scene refers to the object at `index`.
+    pub fn is_referenced(&self, index: usize) -> bool {
+        let is_it = |property: &Property| matches!(property.value, Value::Object(i) if i == index);
+        let mut others = self.tree.objects.iter().skip(1);
+        others.any(|object| object.properties.iter().any(is_it))
+    }
+
+    /// Checks that all parameters and nested objects of `object` have been read, except those of research
+    /// forks, which are ignored.
     pub fn finish(&self, object: &Object) -> Result<(), LoadError> {
+        for property in object.unused().filter(|p| is_of_a_fork(&p.name)) {
+            self.ignore(object, property);
+        }
         object.finish(&self.tree.objects)
+    }
+
+    /// Ignores all parameters of `object` that have not been read, whatever they are.
+    pub fn ignore_rest(&self, object: &Object) {
+        for property in object.unused() {
+            self.ignore(object, property);
+        }
+    }
+
+    /// Ignores a parameter of `object`, which a warning mentions.
+    pub fn ignore(&self, object: &Object, property: &Property) {
+        property.used.set(true);
+        self.ignored.borrow_mut().add(object, property);
+    }
+
+    /// A warning of all parameters that were ignored, if there are any.
+    pub fn ignored(&self) -> Option<Warning> {
+        self.ignored.borrow().warning()
     }
 
     /// The path of the file that the required parameter `filename` names, and that parameter.

@@ -1,15 +1,11 @@
-//! Colours: `<rgb>`, `<float>`, or `<spectrum>` with one value.
+//! Colours: `<rgb>`, `<float>` or `<spectrum>`.
 
 use glam::DVec3;
 
 use super::error::LoadError;
-use super::xml::{Object, Property, Value};
+use super::spectrum::{Viewing, to_rgb};
+use super::xml::{Object, Property, Spectrum, Value};
 use crate::math::Rgb;
-
-/// The linear sRGB colour of a spectrum that is 1 at all wavelengths (illuminant E), which differs
-/// from the white point of sRGB (D65): row sums of the matrix from XYZ to linear sRGB of IEC
-/// 61966-2-1. Mitsuba 3 uses it for an emitted `<spectrum>`.
-const EQUAL_ENERGY: DVec3 = DVec3::new(1.204_794, 0.948_291, 0.908_916);
 
 /// The physical quantity that a colour describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,8 +36,7 @@ pub fn of_property(property: &Property, quantity: Quantity) -> Result<Rgb, LoadE
     let color = match property.value {
         Value::Float(grey) => DVec3::splat(grey),
         Value::Integer(grey) => DVec3::splat(grey as f64),
-        Value::Spectrum(value) if quantity == Quantity::Emission => EQUAL_ENERGY * value,
-        Value::Spectrum(value) => DVec3::splat(value),
+        Value::Spectrum(ref spectrum) => of_spectrum(spectrum, quantity),
         Value::Rgb(rgb) => rgb,
         _ => return Err(property.wrong_type("a colour: rgb, float or spectrum")),
     };
@@ -58,4 +53,19 @@ pub fn of_property(property: &Property, quantity: Quantity) -> Result<Rgb, LoadE
     };
     let found = format!("({}, {}, {})", color.x, color.y, color.z);
     Err(property.out_of_range(found, range))
+}
+
+/// Colours of spectra by wavelength are clamped to the gamut, as in Mitsuba 3: they exceed it where a spectrum
+/// is narrow, or a reflectance is 1.
+fn of_spectrum(spectrum: &Spectrum, quantity: Quantity) -> DVec3 {
+    let viewing = match quantity {
+        Quantity::Emission => Viewing::Emitted,
+        Quantity::Reflectance | Quantity::Index => Viewing::UnderD65,
+    };
+    let rgb = to_rgb(spectrum, viewing);
+    match (spectrum, quantity) {
+        (Spectrum::Uniform(_), _) => rgb,
+        (Spectrum::Samples(_), Quantity::Reflectance) => rgb.clamp(DVec3::ZERO, DVec3::ONE),
+        (Spectrum::Samples(_), _) => rgb.max(DVec3::ZERO),
+    }
 }

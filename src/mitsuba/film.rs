@@ -3,7 +3,7 @@
 use super::builder::Builder;
 use super::error::{Cause, LoadError, Located};
 use super::xml::{Object, Tag};
-use crate::film::Filter;
+use crate::film::{Crop, Filter};
 use crate::scene::FilmSettings;
 
 /// Mitsuba's default size.
@@ -14,6 +14,14 @@ const MAX_PIXELS: u64 = 1 << 28;
 const DEFAULT_FILTER: Filter = Filter::Gaussian { stddev: 0.5 };
 /// Maximum width of a filter in pixels. The cost of a sample grows with its square.
 const MAX_FILTER_WIDTH: f64 = 64.0;
+
+/// The parameters of the crop window.
+const CROP: [&str; 4] = [
+    "crop_offset_x",
+    "crop_offset_y",
+    "crop_width",
+    "crop_height",
+];
 
 type Constructor = fn(&Object) -> Result<Filter, LoadError>;
 
@@ -30,25 +38,59 @@ const FILTERS: [(&str, Constructor); 3] = [
     }),
 ];
 
-/// The film at `index`, or Mitsuba's default film if there is none.
-pub fn film(builder: &Builder, index: Option<usize>) -> Result<FilmSettings, LoadError> {
+/// The films. What distinguishes them is the file that they write, which is the user's choice here.
+const FILMS: [(&str, ()); 5] = [
+    ("hdrfilm", ()),
+    ("ldrfilm", ()),
+    ("mfilm", ()),
+    ("specfilm", ()),
+    ("tiledhdrfilm", ()),
+];
+
+/// The film of a sensor: that at `index`, or Mitsuba's default film if there is none. `outside` is a filter
+/// that is nested in the sensor and not in its film, as some exporters write it.
+pub fn film(
+    builder: &mut Builder,
+    index: Option<usize>,
+    outside: Option<usize>,
+) -> Result<FilmSettings, LoadError> {
+    let default_filter = match outside {
+        Some(index) => {
+            let object = builder.object(index);
+            let advice = "a filter belongs in the film; this one is used as if it were there";
+            builder.warnings.push(object.warning(advice));
+            filter(builder, object)?
+        }
+        None => DEFAULT_FILTER,
+    };
     let Some(index) = index else {
         let [width, height] = builder.overrides.size.unwrap_or(DEFAULT_SIZE);
         return Ok(FilmSettings {
             width,
             height,
-            filter: DEFAULT_FILTER,
+            filter: default_filter,
+            crop: None,
         });
     };
     let object = builder.object(index);
-    object.find_plugin(&[("hdrfilm", ())])?;
+    object.find_plugin(&FILMS)?;
     let size = size(object)?;
+    let crop = match builder.overrides.size {
+        None => crop(object, size)?,
+        Some(_) => {
+            // Its numbers are pixels of the size in the file.
+            object.ignore(&CROP);
+            None
+        }
+    };
     object.must_be_false("sample_border", "all samples lie inside the film")?;
     object.ignore(&["file_format", "pixel_format", "component_format"]);
-    object.ignore(&["banner", "attach_log", "compensate"]);
+    object.ignore(&["banner", "attach_log", "compensate", "filename"]);
+    // Filters always extend beyond the border of the image: `high_quality_edges` is about blocks of it.
+    object.ignore(&["high_quality_edges"]);
     let filter = match builder.child(object, Tag::Rfilter)? {
         Some(index) => filter(builder, builder.object(index))?,
-        None => DEFAULT_FILTER,
+        None => default_filter,
     };
     builder.finish(object)?;
     let [width, height] = builder.overrides.size.unwrap_or(size);
@@ -64,30 +106,39 @@ pub fn film(builder: &Builder, index: Option<usize>) -> Result<FilmSettings, Loa
         width,
         height,
         filter,
+        crop,
     })
 }
 
-/// Width and height in pixels. The crop window must be the whole film.
+/// Width and height in pixels.
 fn size(object: &Object) -> Result<[u32; 2], LoadError> {
     let [mut width, mut height] = DEFAULT_SIZE;
     for (name, target) in [("width", &mut width), ("height", &mut height)] {
         let given = object.integer_in(name, 1..=i64::from(u32::MAX), "at least 1")?;
         *target = given.unwrap_or(*target);
     }
-    for (name, whole) in [
-        ("crop_width", width),
-        ("crop_height", height),
-        ("crop_offset_x", 0),
-        ("crop_offset_y", 0),
-    ] {
-        if let Some((value, property)) = object.integer(name)?
-            && value != i64::from(whole)
-        {
-            let feature = "a crop window that is only a part of the film";
-            return Err(property.not_modelled(feature));
-        }
-    }
     Ok([width, height])
+}
+
+/// The crop window; `None` if it is the whole film.
+fn crop(object: &Object, size: [u32; 2]) -> Result<Option<Crop>, LoadError> {
+    let mut crop = Crop {
+        offset: [0; 2],
+        size: size.map(|pixels| pixels as usize),
+    };
+    for (axis, whole) in size.into_iter().enumerate() {
+        let last = i64::from(whole) - 1;
+        let range = format!("at least 0 and below {whole}, the size of the film");
+        let offset: Option<usize> = object.integer_in(CROP[axis], 0..=last, &range)?;
+        let offset = offset.unwrap_or(0);
+        let rest = whole as usize - offset;
+        let range = format!("at least 1 and at most {rest}, what the film has from the offset on");
+        let given = object.integer_in(CROP[2 + axis], 1..=rest as i64, &range)?;
+        crop.offset[axis] = offset;
+        crop.size[axis] = given.unwrap_or(rest);
+    }
+    let is_whole = crop.size == size.map(|pixels| pixels as usize);
+    Ok((!is_whole).then_some(crop))
 }
 
 fn filter(builder: &Builder, object: &Object) -> Result<Filter, LoadError> {

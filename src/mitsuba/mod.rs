@@ -2,7 +2,7 @@
 //!
 //! Supported plugins and parameters have the meaning and the defaults of Mitsuba 3. Anything else
 //! is an error that names its place and the alternatives; only parameters that cannot change the
-//! values of a still image are ignored. Loading takes two steps: `xml` turns files into objects
+//! values of a still image are ignored, among them those of methods that the user chooses. Loading takes two steps: `xml` turns files into objects
 //! with parameters, then one module for each kind of object turns these into a
 //! [`SceneDescription`]. A new plugin is a file in the module of its kind and an entry in that
 //! module's list `PLUGINS`.
@@ -21,11 +21,14 @@
 
 mod bsdf;
 mod builder;
+mod cie;
 mod color;
 mod emitter;
 mod error;
+mod field_of_view;
 mod file;
 mod film;
+mod ignored;
 mod image_file;
 mod integrator;
 mod mesh;
@@ -33,6 +36,7 @@ mod scene;
 mod sensor;
 mod shape;
 mod source;
+mod spectrum;
 mod texture;
 mod xml;
 

@@ -1,40 +1,44 @@
-//! `sensor`: pinhole and thin-lens cameras.
+//! `sensor`: pinhole, thin-lens and orthographic cameras.
 
-use glam::{DMat3, DMat4, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use super::builder::Builder;
-use super::error::{Cause, LoadError, Located};
+use super::error::{LoadError, Located};
+use super::field_of_view::horizontal_fov;
 use super::film;
-use super::xml::{Object, Tag, value};
-use crate::scene::{CameraDescription, FilmSettings, ThinLens};
+use super::xml::{Object, Tag};
+use crate::scene::{CameraDescription, FilmSettings, Projection, ThinLens};
 
-/// Diagonal of a frame of 35 mm film (36 mm x 24 mm), which `focal_length` refers to, in
-/// millimetres.
-const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
 /// Maximum deviation of the scalar products of the camera's axes from those of orthonormal axes.
 const MAX_AXIS_ERROR: f64 = 1e-3;
 
-/// The sensors. True for those with a lens.
-const PLUGINS: [(&str, bool); 2] = [("perspective", false), ("thinlens", true)];
+/// Largest shift of a film, in widths and heights of it. Beyond it f32 has too few digits for film positions.
+const MAX_PRINCIPAL_POINT_OFFSET: f64 = 100.0;
 
-/// Which extent of the image the field of view refers to.
+/// The sensors.
+const PLUGINS: [(&str, Kind); 3] = [
+    ("orthographic", Kind::Orthographic),
+    ("perspective", Kind::Pinhole),
+    ("thinlens", Kind::ThinLens),
+];
+
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Axis {
-    X,
-    Y,
-    Diagonal,
-    Smaller,
-    Larger,
+enum Kind {
+    Orthographic,
+    Pinhole,
+    ThinLens,
 }
 
 /// The camera at `index` and its film.
 pub fn sensor(
-    builder: &Builder,
+    builder: &mut Builder,
     index: usize,
 ) -> Result<(CameraDescription, FilmSettings), LoadError> {
     let object = builder.object(index);
-    let has_lens = object.find_plugin(&PLUGINS)?;
-    let film = film::film(builder, builder.child(object, Tag::Film)?)?;
+    let kind = object.find_plugin(&PLUGINS)?;
+    let film = builder.child(object, Tag::Film)?;
+    let filter = builder.child(object, Tag::Rfilter)?;
+    let film = film::film(builder, film, filter)?;
     let aspect = f64::from(film.width) / f64::from(film.height);
     let positive = |x: f64| x > 0.0;
     let near_clip = object.float_in("near_clip", 1e-2, "above 0", positive)?;
@@ -44,28 +48,47 @@ pub fn sensor(
             "`near_clip` {near_clip} is not below `far_clip` {far_clip}"
         )));
     }
-    let lens = if has_lens {
-        Some(lens(object, far_clip)?)
-    } else {
-        None
-    };
+    let (to_world, scale) = to_world(object, kind)?;
     let camera = CameraDescription {
-        to_world: to_world(object)?,
-        fov_x: horizontal_fov(object, aspect)?,
-        near_clip,
-        far_clip,
-        lens,
+        to_world,
+        projection: match kind {
+            // The image is 2 wide before the transform, as in Mitsuba.
+            Kind::Orthographic => Projection::Orthographic {
+                half_extent: DVec2::new(scale.x, scale.y / aspect),
+            },
+            Kind::Pinhole => Projection::Perspective {
+                fov_x: horizontal_fov(object, aspect)?,
+                lens: None,
+            },
+            Kind::ThinLens => Projection::Perspective {
+                fov_x: horizontal_fov(object, aspect)?,
+                lens: Some(lens(object, far_clip)?),
+            },
+        },
+        principal_point_offset: principal_point_offset(object, kind)?,
+        // Mitsuba scales the distance of an orthographic camera's near plane, but not that between its planes.
+        near_clip: near_clip * scale.z,
+        far_clip: near_clip * scale.z + (far_clip - near_clip),
     };
-    for name in ["principal_point_offset_x", "principal_point_offset_y"] {
-        object.float_in(name, 0.0, "0: a shifted film is not supported", |x| {
-            x == 0.0
-        })?;
-    }
     object.ignore(&["shutter_open", "shutter_close", "focus_distance"]);
     // The sampler does not change what the image converges to.
     builder.child(object, Tag::Sampler)?;
     builder.finish(object)?;
     Ok((camera, film))
+}
+
+/// A fraction of the width and height of the film.
+fn principal_point_offset(object: &Object, kind: Kind) -> Result<DVec2, LoadError> {
+    if kind != Kind::Pinhole {
+        return Ok(DVec2::ZERO);
+    }
+    let offset = |name: &str| {
+        let is_near = |x: f64| x.abs() <= MAX_PRINCIPAL_POINT_OFFSET;
+        let range = format!("at most {MAX_PRINCIPAL_POINT_OFFSET} film widths or heights");
+        object.float_in(name, 0.0, &range, is_near)
+    };
+    let x = offset("principal_point_offset_x")?;
+    Ok(DVec2::new(x, offset("principal_point_offset_y")?))
 }
 
 fn lens(object: &Object, far_clip: f64) -> Result<ThinLens, LoadError> {
@@ -82,75 +105,25 @@ fn lens(object: &Object, far_clip: f64) -> Result<ThinLens, LoadError> {
     })
 }
 
-fn to_world(object: &Object) -> Result<DMat4, LoadError> {
+/// The transform without scale, and the scale along its axes, which only an orthographic camera may have.
+fn to_world(object: &Object, kind: Kind) -> Result<(DMat4, DVec3), LoadError> {
     let Some((matrix, property)) = object.transform("to_world")? else {
-        return Ok(DMat4::IDENTITY);
+        return Ok((DMat4::IDENTITY, DVec3::ONE));
     };
     let m = DMat3::from_mat4(matrix);
-    let gram = m.transpose() * m;
+    let lengths = DVec3::from_array([m.x_axis, m.y_axis, m.z_axis].map(DVec3::length));
+    let scale = match kind {
+        Kind::Orthographic if lengths.min_element() > 0.0 => lengths,
+        _ => DVec3::ONE,
+    };
+    let unscaled = matrix * DMat4::from_scale(scale.recip());
+    let axes = DMat3::from_mat4(unscaled);
+    let gram = axes.transpose() * axes;
     let is_orthogonal = gram.abs_diff_eq(DMat3::IDENTITY, MAX_AXIS_ERROR);
-    let is_affine = matrix.row(3) == DVec4::W;
-    if is_orthogonal && is_affine {
-        return Ok(matrix);
+    if is_orthogonal && matrix.row(3) == DVec4::W {
+        return Ok((unscaled, scale));
     }
     let feature = "scale and shear in the transform of a sensor; it may only translate, rotate and \
-                   reflect";
+                   reflect, and that of an orthographic one scale along its axes";
     Err(property.not_modelled(feature))
-}
-
-/// Horizontal field of view in degrees, as Mitsuba 3 derives it from `fov` or `focal_length`.
-/// `aspect` is the width of the film over its height.
-fn horizontal_fov(object: &Object, aspect: f64) -> Result<f64, LoadError> {
-    let is_angle = |x: f64| x > 0.0 && x < 180.0;
-    // The tangent of half the field of view along an axis.
-    let (half, axis) = if object.find("fov").is_some() {
-        if let Some(property) = object.find("focal_length") {
-            return Err(property.conflict("give either `fov` or `focal_length`, not both"));
-        }
-        let range = "above 0 and below 180 degrees";
-        let fov = object.float_in("fov", 0.0, range, is_angle)?;
-        let axis = object.choice(
-            "fov_axis",
-            Axis::X,
-            &[
-                ("x", Axis::X),
-                ("y", Axis::Y),
-                ("diagonal", Axis::Diagonal),
-                ("smaller", Axis::Smaller),
-                ("larger", Axis::Larger),
-            ],
-        )?;
-        ((0.5 * fov).to_radians().tan(), axis)
-    } else {
-        let millimetres = focal_length(object)?;
-        (FRAME_DIAGONAL / (2.0 * millimetres), Axis::Diagonal)
-    };
-    let is_wide = aspect > 1.0;
-    let half_width = match axis {
-        Axis::X => half,
-        Axis::Y => half * aspect,
-        Axis::Diagonal => half / (1.0 + aspect.powi(-2)).sqrt(),
-        Axis::Smaller if is_wide => half * aspect,
-        Axis::Larger if !is_wide => half * aspect,
-        Axis::Smaller | Axis::Larger => half,
-    };
-    let fov_x = (2.0 * half_width.atan()).to_degrees();
-    if is_angle(fov_x) {
-        return Ok(fov_x);
-    }
-    Err(object.error(Cause::OutOfRange {
-        name: "horizontal field of view".into(),
-        found: fov_x.to_string(),
-        range: "above 0 and below 180 degrees".into(),
-    }))
-}
-
-/// In millimetres; written `50mm` or `50`.
-fn focal_length(object: &Object) -> Result<f64, LoadError> {
-    let Some((text, property)) = object.text("focal_length")? else {
-        return Ok(50.0);
-    };
-    let number = text.trim().strip_suffix("mm").unwrap_or(text);
-    let length = value::float(number).ok().filter(|&x| x > 0.0);
-    length.ok_or_else(|| property.error(value::malformed(text, "a length such as `50mm`")))
 }

@@ -107,10 +107,10 @@ pub fn trace_camera_subpath<S: Sampler>(
     counts: &mut RayCounts,
     subpath: &mut Subpath,
 ) {
-    let lens = if scene.camera.is_pinhole() {
-        Vec2::ZERO
-    } else {
+    let lens = if scene.camera.has_lens() {
         Vec2::from(sampler.get::<2>(dimensions::LENS))
+    } else {
+        Vec2::ZERO
     };
     let (ray, from) = scene.camera.ray(film, lens);
     let first = Step {
@@ -213,8 +213,15 @@ impl Walk<'_> {
     /// The vertex at the end of `step`; `None` if the ray leaves the scene.
     #[inline]
     fn arrive(&mut self, step: &Step) -> Option<Vertex> {
-        let Some(surface) = self.scene.geometry.intersect(&step.ray, self.counts) else {
-            if self.mode == TransportMode::Radiance {
+        let is_from_lens = matches!(step.kind, StepKind::Lens);
+        let surface = if is_from_lens {
+            self.scene.seen_from_camera(&step.ray, self.counts)
+        } else {
+            self.scene.geometry.intersect(&step.ray, self.counts)
+        };
+        let Some(surface) = surface else {
+            let is_hidden = is_from_lens && self.scene.hide_emitters;
+            if self.mode == TransportMode::Radiance && !is_hidden {
                 self.subpath.environment = Some(self.leave(step));
             }
             return None;
@@ -259,7 +266,10 @@ impl Walk<'_> {
         let distance_squared = f64::from((vertex.position() - step.from).length_squared());
         Some(match &step.kind {
             StepKind::Lens => {
-                PartialMis::after_lens(vertex.density(step.pdf, direction, distance_squared))
+                let camera = &self.scene.camera;
+                let distance_squared = camera.squared_distance(step.from, vertex.position());
+                let density = vertex.density(step.pdf, direction, distance_squared.into());
+                PartialMis::after_lens(density)
             }
             StepKind::Light { sample } => {
                 // For light from infinity the density is already per unit area.

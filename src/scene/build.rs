@@ -1,18 +1,21 @@
 //! Builds a scene from its description. World coordinates are converted to scene units once and in f64,
 //! so that neither the scale of a scene nor its distance from the origin costs precision.
 
-use glam::{DMat3, DMat4, DVec3};
+use std::f32::consts::PI;
+
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3A};
 
 use super::camera::Camera;
 use super::geometry::{Geometry, GeometryBuilder, ShapeSurface};
 use super::light::{
     AreaEmitter, DirectionalEmitter, Emitter, Emitters, Environment, EnvironmentMap, PointEmitter,
+    Profile,
 };
 use super::{
-    Casters, EmitterDescription, MAX_DISTANCE, SCENE_RADIUS, Scene, SceneDescription, SceneError,
-    ShapeDescription, ShapeGeometry, TriangleMesh,
+    Casters, EmitterDescription, MAX_DISTANCE, Radiance, SCENE_RADIUS, Scene, SceneDescription,
+    SceneError, ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
 };
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::sampling::distribution::MAX_OUTCOMES;
 
 /// Relative deviation from a similarity transform that the rounding of numbers in a scene file may
@@ -40,13 +43,21 @@ impl SceneDescription {
         let units = Units::of(&self.shapes)?;
         let aspect = f64::from(self.film.width) / f64::from(self.film.height);
         let camera = Camera::new(&self.camera, aspect, units.center, units.unit)?;
-        let emissions: Vec<Option<Rgb>> = self.shapes.iter().map(|s| s.emission).collect();
+        let texture = |radiance| match radiance {
+            Radiance::Constant(radiance) => Texture::Constant(radiance),
+            Radiance::Texture(index) => self.textures[index as usize].clone(),
+        };
+        let emissions: Vec<Option<Texture>> = self
+            .shapes
+            .iter()
+            .map(|s| s.emission.map(texture))
+            .collect();
         let mut geometry = GeometryBuilder::default();
         for shape in self.shapes {
             add_shape(shape, &units, &mut geometry);
         }
         let geometry = geometry.build();
-        let mut emitters = area_emitters(&geometry, &emissions)?;
+        let mut emitters = area_emitters(&geometry, emissions)?;
         for emitter in self.emitters {
             emitters.push(build_emitter(emitter, &units)?);
         }
@@ -65,6 +76,7 @@ impl SceneDescription {
             textures: self.textures,
             film: self.film,
             depth: self.depth,
+            hide_emitters: self.hide_emitters,
             unit: units.unit,
             center: units.center,
         })
@@ -169,8 +181,18 @@ fn check_coordinates(description: &SceneDescription) -> Result<(), SceneError> {
         check(&shape.name, largest)?;
     }
     for emitter in &description.emitters {
-        if let EmitterDescription::Point { position, .. } = emitter {
-            check("point emitter", position.abs().max_element())?;
+        match emitter {
+            EmitterDescription::Point { position, .. }
+            | EmitterDescription::Spot { position, .. } => {
+                check("point emitter", position.abs().max_element())?;
+            }
+            EmitterDescription::Projector { to_world, .. } => {
+                let position = to_world.w_axis.truncate();
+                check("projector emitter", position.abs().max_element())?;
+            }
+            EmitterDescription::Directional { .. }
+            | EmitterDescription::Constant { .. }
+            | EmitterDescription::Environment { .. } => {}
         }
     }
     let camera = description.camera.to_world.w_axis.truncate();
@@ -238,12 +260,12 @@ fn add_shape(shape: ShapeDescription, units: &Units, geometry: &mut GeometryBuil
 /// The shapes that emit, as emitters; `emissions` are the radiances of all shapes.
 fn area_emitters(
     geometry: &Geometry,
-    emissions: &[Option<Rgb>],
+    emissions: Vec<Option<Texture>>,
 ) -> Result<Vec<Emitter>, SceneError> {
     let surfaces = geometry.surfaces(|shape| emissions[shape as usize].is_some());
     let mut emitters = Vec::new();
     for ((shape, surface), emission) in (0..).zip(surfaces).zip(emissions) {
-        let &Some(radiance) = emission else { continue };
+        let Some(radiance) = emission else { continue };
         let name = || geometry.shape_name(shape).to_owned();
         if let ShapeSurface::Triangles(triangles) = &surface
             && triangles.len() > MAX_OUTCOMES
@@ -283,29 +305,48 @@ fn build_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
         EmitterDescription::Point {
             position,
             intensity,
+        } => point_emitter(
+            "point emitter",
+            position,
+            intensity,
+            Profile::Uniform,
+            units,
+        )?,
+        EmitterDescription::Spot {
+            position,
+            direction,
+            intensity,
+            beam_width,
+            cutoff_angle,
         } => {
-            let position = units.point(position).as_vec3a();
-            // The irradiance I/d^2 does not depend on the unit of d.
-            let intensity = (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a();
-            if !(position.length() < MAX_DISTANCE && intensity.is_finite()) {
-                let name = "point emitter".into();
-                return Err(SceneError::OutOfRange { name });
-            }
-            Emitter::Point(PointEmitter {
-                position,
-                intensity,
-            })
+            let profile = Profile::Spot {
+                frame: Frame::from_normal(unit_vector("spot emitter", direction)?),
+                beam: beam_width.to_radians() as f32,
+                cutoff: cutoff_angle.to_radians() as f32,
+            };
+            point_emitter("spot emitter", position, intensity, profile, units)?
+        }
+        EmitterDescription::Projector {
+            to_world,
+            fov,
+            irradiance,
+        } => {
+            let axis = |axis| unit_vector("projector emitter", to_world.transform_vector3(axis));
+            let profile = Profile::Projector {
+                right: axis(DVec3::X)?,
+                up: axis(DVec3::Y)?,
+                forward: axis(DVec3::Z)?,
+                half_extent: Vec2::splat((0.5 * fov.to_radians()).tan() as f32),
+            };
+            let position = to_world.transform_point3(DVec3::ZERO);
+            let intensity = irradiance * PI;
+            point_emitter("projector emitter", position, intensity, profile, units)?
         }
         EmitterDescription::Directional {
             direction,
             irradiance,
         } => Emitter::Directional(DirectionalEmitter {
-            direction: direction
-                .try_normalize()
-                .ok_or_else(|| SceneError::SingularTransform {
-                    name: "directional emitter".into(),
-                })?
-                .as_vec3a(),
+            direction: unit_vector("directional emitter", direction)?,
             irradiance,
         }),
         EmitterDescription::Constant { radiance } => {
@@ -328,6 +369,35 @@ fn build_emitter(emitter: EmitterDescription, units: &Units) -> Result<Emitter, 
             Emitter::Environment(Environment::Map { map, to_scene })
         }
     })
+}
+
+/// A point emitter in scene units.
+fn point_emitter(
+    name: &str,
+    position: DVec3,
+    intensity: Rgb,
+    profile: Profile,
+    units: &Units,
+) -> Result<Emitter, SceneError> {
+    let position = units.point(position).as_vec3a();
+    // The irradiance I/d^2 does not depend on the unit of d.
+    let intensity = (intensity.as_dvec3() / (units.unit * units.unit)).as_vec3a();
+    if !(position.length() < MAX_DISTANCE && intensity.is_finite()) {
+        let name = name.into();
+        return Err(SceneError::OutOfRange { name });
+    }
+    Ok(Emitter::Point(PointEmitter {
+        position,
+        intensity,
+        profile,
+    }))
+}
+
+/// `vector` with length 1.
+fn unit_vector(name: &str, vector: DVec3) -> Result<Vec3A, SceneError> {
+    let unit = vector.try_normalize();
+    unit.map(|v| v.as_vec3a())
+        .ok_or_else(|| SceneError::SingularTransform { name: name.into() })
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! A scene as plain data, in the units of its file and with transforms in f64. A loader produces it, and
 //! [`SceneDescription::build`] makes it ready to render.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 
 use super::{Material, Texture, TriangleMesh};
-use crate::film::Filter;
+use crate::film::{Crop, Filter};
 use crate::math::Rgb;
 use crate::sampling::distribution::MAX_OUTCOMES;
 
@@ -17,6 +17,8 @@ pub struct SceneDescription {
     pub film: FilmSettings,
     /// Limits on the length of paths.
     pub depth: DepthLimits,
+    /// Whether the camera sees past emitters: only their light is seen, and what is behind them.
+    pub hide_emitters: bool,
     /// Indexed by the materials.
     pub textures: Vec<Texture>,
     /// Indexed by [`ShapeDescription::material`].
@@ -36,6 +38,9 @@ pub struct FilmSettings {
     pub height: u32,
     /// Reconstruction filter.
     pub filter: Filter,
+    /// The part of the image that is kept; `None` for all of it. The whole is rendered: its pixels, of any
+    /// method, are those of the part.
+    pub crop: Option<Crop>,
 }
 
 /// Limits on path length, in Mitsuba 3's sense.
@@ -48,19 +53,37 @@ pub struct DepthLimits {
     pub rr_depth: u32,
 }
 
-/// A perspective camera: pinhole, or thin lens.
+/// A camera.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
     /// Camera to world: the view is along +z, +y is up and +x to the left of the image, as in Mitsuba.
     pub to_world: DMat4,
-    /// Horizontal field of view in degrees, for the whole width of the film.
-    pub fov_x: f64,
+    /// How it maps directions, or points, to the film.
+    pub projection: Projection,
+    /// Where the viewing axis meets the film, from its centre: a fraction of its width to the left and of its
+    /// height upward. (0, 0) unless the film is shifted.
+    pub principal_point_offset: DVec2,
     /// Distance along the viewing axis of the near clipping plane.
     pub near_clip: f64,
     /// Distance along the viewing axis of the far clipping plane.
     pub far_clip: f64,
-    /// `None` for a pinhole.
-    pub lens: Option<ThinLens>,
+}
+
+/// How a camera maps the scene to its film.
+#[derive(Clone, Copy, Debug)]
+pub enum Projection {
+    /// By lines through a lens.
+    Perspective {
+        /// Horizontal field of view in degrees, for the whole width of the film.
+        fov_x: f64,
+        /// `None` for a pinhole.
+        lens: Option<ThinLens>,
+    },
+    /// By lines parallel to the viewing axis.
+    Orthographic {
+        /// Half the width and half the height of what the film shows.
+        half_extent: DVec2,
+    },
 }
 
 /// The lens of a camera with depth of field.
@@ -85,8 +108,17 @@ pub struct ShapeDescription {
     pub flip_normals: bool,
     /// Index into [`SceneDescription::materials`].
     pub material: u32,
-    /// Radiance on the front side, W/(m^2 sr); `None` if the shape does not emit.
-    pub emission: Option<Rgb>,
+    /// Radiance on the front side; `None` if the shape does not emit.
+    pub emission: Option<Radiance>,
+}
+
+/// The radiance of a surface, W/(m^2 sr).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Radiance {
+    /// The same everywhere.
+    Constant(Rgb),
+    /// That of a texture: an index into [`SceneDescription::textures`].
+    Texture(u32),
 }
 
 /// The geometry of a surface.
@@ -112,6 +144,29 @@ pub enum EmitterDescription {
         position: DVec3,
         /// Radiant intensity, W/sr.
         intensity: Rgb,
+    },
+    /// A point that emits into a cone around its axis.
+    Spot {
+        /// In world coordinates.
+        position: DVec3,
+        /// The axis, of any length.
+        direction: DVec3,
+        /// Radiant intensity within the beam, W/sr.
+        intensity: Rgb,
+        /// Angle between the axis and the edge of the beam, in degrees. From there on the intensity falls
+        /// linearly with the angle.
+        beam_width: f64,
+        /// Angle at which it is 0, in degrees; at least `beam_width` and below 180.
+        cutoff_angle: f64,
+    },
+    /// A point that lights a square.
+    Projector {
+        /// Light to world: the light is along +z.
+        to_world: DMat4,
+        /// Width of the square, as an angle in degrees.
+        fov: f64,
+        /// Mitsuba's irradiance: what a plane across the axis at distance 1 receives, over pi.
+        irradiance: Rgb,
     },
     /// Parallel light from infinity.
     Directional {

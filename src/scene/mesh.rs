@@ -1,5 +1,7 @@
 //! Triangle meshes as read from a file.
 
+use std::collections::HashMap;
+
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
 /// A triangle mesh in its own coordinates. [`super::SceneDescription::build`] requires finite numbers,
@@ -68,22 +70,22 @@ impl TriangleMesh {
         mesh
     }
 
-    /// Computes smooth normals, as Mitsuba does where a file has none: at each vertex the mean of the
-    /// normals of the triangles around it, weighted by their angle there (Thürmer and Wüthrich
-    /// 1998, "Computing vertex normals from polygonal facets").
+    /// Computes smooth normals, as Mitsuba does where a file has none: [`Self::smooth_normals`] of all vertices.
+    pub fn compute_vertex_normals(&mut self, to_world: &DMat4) {
+        self.normals = self.smooth_normals(to_world);
+    }
+
+    /// For each vertex the mean of the normals of the triangles around it, weighted by their angle there
+    /// (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets").
     ///
     /// Angles and front sides are those of the mesh after the transform `to_world`, which may stretch and
-    /// mirror it; the normals are stored such that this transform yields the right ones. Vertices of no
+    /// mirror it; the normals are such that this transform yields the right ones. Vertices of no
     /// triangle with area get (1, 0, 0) in world coordinates.
-    pub fn compute_vertex_normals(&mut self, to_world: &DMat4) {
+    pub fn smooth_normals(&self, to_world: &DMat4) -> Vec<[f32; 3]> {
         let linear = DMat3::from_mat4(*to_world);
-        let corner = |i: u32| {
-            let [x, y, z] = self.positions[i as usize].map(f64::from);
-            linear * DVec3::new(x, y, z)
-        };
         let mut sums = vec![DVec3::ZERO; self.positions.len()];
         for triangle in &self.triangles {
-            let p = triangle.map(corner);
+            let p = triangle.map(|vertex| linear * self.position(vertex));
             let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else {
                 continue;
             };
@@ -96,13 +98,53 @@ impl TriangleMesh {
         }
         // The inverse transpose of `linear` transforms normals to the world.
         let to_local = linear.transpose();
-        self.normals = sums
-            .iter()
+        sums.iter()
             .map(|sum| {
                 let normal = to_local * sum.try_normalize().unwrap_or(DVec3::X);
                 normal.normalize_or_zero().as_vec3().to_array()
             })
-            .collect();
+            .collect()
+    }
+
+    /// Computes normals that are smooth except where triangles meet at more than `max_degrees`, as Mitsuba
+    /// 0.6 does (`TriMesh::rebuildTopology`): vertices at one place with the same texture coordinates become
+    /// one, and then several, each of the triangles whose normals are within the angle of that of the first
+    /// of them. Angles are those after the transform `to_world`.
+    pub fn smooth_up_to(&mut self, max_degrees: f64, to_world: &DMat4) {
+        let min_cos = max_degrees.to_radians().cos();
+        let linear = DMat3::from_mat4(*to_world);
+        let place = |vertex: u32| -> Vec<u32> {
+            let uv = self.uvs.get(vertex as usize).into_iter().flatten();
+            let numbers = self.positions[vertex as usize].iter().chain(uv);
+            // Adding 0 makes -0 the same as 0.
+            numbers.map(|x| (x + 0.0).to_bits()).collect()
+        };
+        // At each place, the vertices so far: the normal of their first triangle, and their index.
+        let mut places: HashMap<Vec<u32>, Vec<(DVec3, u32)>> = HashMap::new();
+        let mut smoothed = Self::default();
+        for triangle in &self.triangles {
+            let p = triangle.map(|vertex| linear * self.position(vertex));
+            let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
+            let corners = triangle.map(|vertex| {
+                let vertices = places.entry(place(vertex)).or_default();
+                let same = vertices.iter().find(|(n, _)| n.dot(normal) >= min_cos);
+                if let Some(&(_, index)) = same {
+                    return index;
+                }
+                let index = smoothed.positions.len() as u32;
+                vertices.push((normal, index));
+                smoothed.positions.push(self.positions[vertex as usize]);
+                smoothed.uvs.extend(self.uvs.get(vertex as usize));
+                index
+            });
+            smoothed.triangles.push(corners);
+        }
+        smoothed.compute_vertex_normals(to_world);
+        *self = smoothed;
+    }
+
+    fn position(&self, vertex: u32) -> DVec3 {
+        DVec3::from_array(self.positions[vertex as usize].map(f64::from))
     }
 }
 
@@ -176,6 +218,32 @@ mod tests {
         for (l, p) in local.normals.iter().zip(&placed.normals) {
             let world = Vec3::new(-l[0], l[1] / 3.0, l[2] / 0.5).normalize();
             assert!((world - Vec3::from_array(*p)).length() < 1e-6);
+        }
+    }
+
+    /// Two triangles that meet at 90 degrees: with a larger angle they share the vertices of their edge,
+    /// with a smaller one they do not, even if they did in the file.
+    #[test]
+    fn creases_divide_vertices() {
+        let fold = TriangleMesh {
+            positions: vec![
+                [0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0],
+            ],
+            triangles: vec![[0, 2, 1], [0, 1, 3]],
+            ..TriangleMesh::default()
+        };
+        for (angle, vertices, expected) in [(100.0, 4, [0.5, 0.0, 0.5]), (80.0, 6, [0.0, 0.0, 1.0])]
+        {
+            let mut mesh = fold.clone();
+            mesh.smooth_up_to(angle, &DMat4::IDENTITY);
+            assert_eq!(mesh.positions.len(), vertices, "{angle}");
+            let corner = mesh.triangles[0][0] as usize;
+            let normal = Vec3::from_array(mesh.normals[corner]);
+            let expected = Vec3::from_array(expected).normalize();
+            assert!((normal - expected).length() < 1e-6, "{angle}: {normal}");
         }
     }
 }

@@ -35,8 +35,8 @@ pub use bsdf::{
 };
 pub use camera::{Camera, LensSample};
 pub use description::{
-    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, SceneDescription, SceneError,
-    ShapeDescription, ShapeGeometry, ThinLens,
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Projection, Radiance,
+    SceneDescription, SceneError, ShapeDescription, ShapeGeometry, ThinLens,
 };
 pub use geometry::{Geometry, RayCounts};
 pub use interaction::SurfacePoint;
@@ -68,6 +68,8 @@ pub struct Scene {
     pub casters: Casters,
     /// Limits on the length of paths.
     pub depth: DepthLimits,
+    /// Whether the camera sees past emitters: only their light is seen, and what is behind them.
+    pub hide_emitters: bool,
     /// Length of one scene unit in the units of the scene file.
     pub unit: f64,
     /// The origin of scene units in the world of the scene file.
@@ -88,6 +90,39 @@ impl Scene {
     #[inline]
     pub fn has_chains(&self) -> bool {
         !self.casters.is_empty() && self.emitters.end_chains()
+    }
+
+    /// True if the camera sees past a shape.
+    #[inline]
+    pub fn is_hidden(&self, shape: u32) -> bool {
+        self.hide_emitters && self.emitters.of_shape(shape).is_some()
+    }
+
+    /// The nearest point that a camera ray hits on a surface that is not hidden.
+    #[inline]
+    pub fn seen_from_camera(&self, ray: &Ray, counts: &mut RayCounts) -> Option<SurfacePoint> {
+        if self.hide_emitters {
+            let hidden = |shape| self.is_hidden(shape);
+            self.geometry.intersect_past(ray, hidden, counts)
+        } else {
+            self.geometry.intersect(ray, counts)
+        }
+    }
+
+    /// [`Geometry::visible`], for a point `to` on the near plane of the camera.
+    #[inline]
+    pub fn visible_to_camera(
+        &self,
+        from: glam::Vec3A,
+        to: glam::Vec3A,
+        counts: &mut RayCounts,
+    ) -> bool {
+        if self.hide_emitters {
+            let hidden = |shape| self.is_hidden(shape);
+            self.geometry.visible_past(from, to, hidden, counts)
+        } else {
+            self.geometry.visible(from, to, counts)
+        }
     }
 
     /// Converts a point in scene units to world coordinates, in the units of the scene file.

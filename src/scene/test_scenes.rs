@@ -1,10 +1,10 @@
 //! Small scenes for the tests of the scene.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 
 use super::{
-    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Scene,
-    SceneDescription, ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Projection,
+    Radiance, Scene, SceneDescription, ShapeDescription, ShapeGeometry, Texture, TriangleMesh,
 };
 use crate::bvh::test_primitives;
 pub use crate::bvh::test_primitives::Numbers;
@@ -31,17 +31,20 @@ pub fn sphere(center: DVec3, radius: f64) -> ShapeDescription {
 }
 
 pub fn emitting(mut shape: ShapeDescription, radiance: Rgb) -> ShapeDescription {
-    shape.emission = Some(radiance);
+    shape.emission = Some(Radiance::Constant(radiance));
     shape
 }
 
 pub fn camera() -> CameraDescription {
     CameraDescription {
         to_world: DMat4::IDENTITY,
-        fov_x: 50.0,
+        projection: Projection::Perspective {
+            fov_x: 50.0,
+            lens: None,
+        },
+        principal_point_offset: DVec2::ZERO,
         near_clip: 0.01,
         far_clip: 1e4,
-        lens: None,
     }
 }
 
@@ -55,11 +58,13 @@ pub fn description(
             width: 320,
             height: 200,
             filter: Filter::Box,
+            crop: None,
         },
         depth: DepthLimits {
             max_depth: None,
             rr_depth: 5,
         },
+        hide_emitters: false,
         textures: vec![Texture::Constant(Rgb::splat(0.5))],
         materials: vec![Material::Diffuse { reflectance: 0 }],
         shapes,

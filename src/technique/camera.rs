@@ -7,6 +7,7 @@ use crate::math::Rgb;
 use crate::path::mis::weight;
 use crate::path::{Vertex, dimensions};
 use crate::sampling::Sampler;
+use crate::scene::interaction::offset;
 use crate::scene::{RayCounts, Scene, TransportMode};
 
 /// Connects light vertex y_i to a point on the lens. Returns the film position and the path; `None` if
@@ -19,7 +20,7 @@ pub fn connect_to_camera<S: Sampler>(
     sampler: &mut S,
     counts: &mut RayCounts,
 ) -> Option<(Vec2, Connection)> {
-    if !vertex.is_connectible(scene) {
+    if !vertex.is_connectible(scene) || scene.is_hidden(vertex.surface.shape) {
         return None;
     }
     let position = vertex.position();
@@ -33,7 +34,7 @@ pub fn connect_to_camera<S: Sampler>(
     }
     let origin = vertex.ray_origin(lens.direction);
     let target = position + lens.direction * lens.visible_distance;
-    if !scene.geometry.visible(origin, target, counts) {
+    if !scene.visible_to_camera(origin, target, counts) {
         return None;
     }
     // `lens.density` includes 1/d^2.
@@ -53,12 +54,19 @@ pub fn visible_light<S: Sampler>(
     sampler: &mut S,
     rays: &mut RayCounts,
 ) -> Option<(Vec2, Connection)> {
+    if scene.hide_emitters {
+        return None;
+    }
     let [u_light, u_primitive, x, y] = sampler.get::<4>(dimensions::next_event(0));
+    let u_position = Vec2::new(x, y);
+    if scene.camera.is_orthographic() {
+        return visible_surface(scene, u_light, u_primitive, u_position, rays);
+    }
     let lens = lens_point(scene, 0, sampler);
     let from = scene.camera.lens_position(lens);
     let direct = scene
         .emitters
-        .sample_direct(from, u_light, u_primitive, Vec2::new(x, y))
+        .sample_direct(from, u_light, u_primitive, u_position)
         .filter(|direct| !direct.delta)?;
     let film = scene.camera.film_position(direct.direction, lens)?;
     let emission = &direct.emission;
@@ -72,12 +80,34 @@ pub fn visible_light<S: Sampler>(
     visible.then_some((film, Connection { value, weight: 1.0 }))
 }
 
+/// Technique (1, 1) for an orthographic camera: a point of an area emitter, which is seen at one film position.
+/// The camera sees no more than one direction of an environment: sampled light never comes from there.
+fn visible_surface(
+    scene: &Scene,
+    u_light: f32,
+    u_primitive: f32,
+    u_position: Vec2,
+    rays: &mut RayCounts,
+) -> Option<(Vec2, Connection)> {
+    let sampled = scene
+        .emitters
+        .sample_surface(u_light, u_primitive, u_position);
+    let (y0, radiance) = sampled?;
+    let lens = scene.camera.connect(y0.position, Vec2::ZERO)?;
+    let cos = y0.normal.dot(lens.direction);
+    let value = radiance * (cos.max(0.0) * lens.importance / y0.pdf);
+    let from = offset(y0.position, y0.normal, lens.direction);
+    let to = y0.position + lens.direction * lens.visible_distance;
+    let visible = value != Rgb::ZERO && scene.visible_to_camera(from, to, rays);
+    visible.then_some((lens.film, Connection { value, weight: 1.0 }))
+}
+
 /// Sample values of the lens point that is connected to y_i.
 #[inline]
 fn lens_point<S: Sampler>(scene: &Scene, i: usize, sampler: &mut S) -> Vec2 {
-    if scene.camera.is_pinhole() {
-        Vec2::ZERO
-    } else {
+    if scene.camera.has_lens() {
         Vec2::from(sampler.get::<2>(dimensions::connect_to_camera(i)))
+    } else {
+        Vec2::ZERO
     }
 }

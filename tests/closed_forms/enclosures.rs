@@ -4,7 +4,7 @@
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::render::Method::{self, Bdpt, Light, Path, Pssmlt};
-use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
+use metrolight::scene::{EmitterDescription, Material, Radiance, Scene, ShapeDescription};
 
 use crate::common::scenes::{SceneBuilder, grey, sphere};
 use crate::common::truths::Truths;
@@ -44,7 +44,7 @@ fn enclosure(rho: f64, materials: Vec<Material>, depth: Option<u32>) -> Scene {
     let fov_x = if materials.len() > 1 { 35.0 } else { 70.0 };
     let mut shapes = vec![ShapeDescription {
         flip_normals: true,
-        emission: Some(Rgb::ONE),
+        emission: Some(Radiance::Constant(Rgb::ONE)),
         ..sphere(DVec3::ZERO, 2.0)
     }];
     if materials.len() > 1 {

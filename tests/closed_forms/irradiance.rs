@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use metrolight::math::Rgb;
 use metrolight::render::Method::{self, Bdpt, Path, Pssmlt};
-use metrolight::scene::{EmitterDescription, Material, Scene, ShapeDescription};
+use metrolight::scene::{EmitterDescription, Material, Radiance, Scene, ShapeDescription};
 
 use crate::common::scenes::{SceneBuilder, floor, grey, look_at, parallelogram, sphere};
 use crate::common::truths::Truths;
@@ -85,7 +85,7 @@ fn sphere_lights() {
     ] {
         let center = DVec3::from(center);
         let light = ShapeDescription {
-            emission: Some(Rgb::splat(LE as f32)),
+            emission: Some(Radiance::Constant(Rgb::splat(LE as f32))),
             ..sphere(center, radius)
         };
         let distance = center.length();
@@ -143,7 +143,7 @@ fn rectangle_lights() {
     ] {
         let [first, a, b] = [first, a, b].map(DVec3::from);
         let light = ShapeDescription {
-            emission: Some(Rgb::splat(LE as f32)),
+            emission: Some(Radiance::Constant(Rgb::splat(LE as f32))),
             ..parallelogram(first, a, b)
         };
         let irradiance = LE * lambert(&[first, first + a, first + a + b, first + b]);
@@ -201,7 +201,7 @@ fn floor_along_an_emitting_wall() {
     let mut truths = Truths::default();
     for (height, width) in [(1.0, 1.0), (0.2, 2.0)] {
         let wall = ShapeDescription {
-            emission: Some(Rgb::splat(LE as f32)),
+            emission: Some(Radiance::Constant(Rgb::splat(LE as f32))),
             ..parallelogram(DVec3::ZERO, DVec3::Z, DVec3::Y * height)
         };
         let wall = ShapeDescription {

@@ -1,12 +1,12 @@
 //! Small scenes in code: a builder, shapes, lights and a camera.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 use metrolight::film::Filter;
 use metrolight::math::Rgb;
 use metrolight::scene::{
     CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material,
-    MicrofacetDistribution, Roughness, Scene, SceneDescription, ShapeDescription, ShapeGeometry,
-    Texture, ThinLens, TriangleMesh,
+    MicrofacetDistribution, Projection, Radiance, Roughness, Scene, SceneDescription,
+    ShapeDescription, ShapeGeometry, Texture, ThinLens, TriangleMesh,
 };
 
 /// A scene under construction: fields to fill in, and methods that add to them. By default it is empty,
@@ -217,20 +217,25 @@ impl SceneBuilder {
         SceneDescription {
             camera: CameraDescription {
                 to_world: self.camera,
-                fov_x: self.fov_x,
+                projection: Projection::Perspective {
+                    fov_x: self.fov_x,
+                    lens: self.lens,
+                },
+                principal_point_offset: DVec2::ZERO,
                 near_clip: self.near_clip,
                 far_clip: self.far_clip,
-                lens: self.lens,
             },
             film: FilmSettings {
                 width,
                 height,
                 filter: Filter::Box,
+                crop: None,
             },
             depth: DepthLimits {
                 max_depth: self.depth,
                 rr_depth: 5,
             },
+            hide_emitters: false,
             textures: self.textures,
             materials: self.materials,
             shapes: self.shapes,
@@ -310,7 +315,7 @@ pub fn sphere_mesh(n: u32) -> TriangleMesh {
 
 /// Makes a shape emit the same radiance in all channels on its front.
 pub fn emit(shape: &mut ShapeDescription, radiance: f32) {
-    shape.emission = Some(Rgb::splat(radiance));
+    shape.emission = Some(Radiance::Constant(Rgb::splat(radiance)));
 }
 
 /// A camera at `eye` that looks at `target`.

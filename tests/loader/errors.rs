@@ -52,7 +52,11 @@ fn assert_fail(cases: &[(String, &str, &str)]) {
 fn unknown_names_are_reported_with_suggestions() {
     assert_fail(&[
         (r#"<shpae type="sphere"/>"#.into(), "2:1", "`shape`"),
-        (r#"<medium type="homogeneous"/>"#.into(), "2:1", "<medium>"),
+        (
+            sphere(r#"<medium type="homogeneous" name="interior"/>"#),
+            "2:22",
+            "not supported: participating media such as medium `homogeneous`",
+        ),
         (r#"<shape type="spheer"/>"#.into(), "2:1", "`sphere`"),
         // Columns are characters, not bytes.
         (
@@ -67,7 +71,7 @@ fn unknown_names_are_reported_with_suggestions() {
             "2:1",
             "`perspective`",
         ),
-        (sensor(r#"<film type="ldrfilm"/>"#), "2:28", "`hdrfilm`"),
+        (sensor(r#"<film type="hdrflim"/>"#), "2:28", "`hdrfilm`"),
         (film(r#"<rfilter type="gausian"/>"#), "2:49", "`gaussian`"),
         (
             bsdf("diffuse", r#"<texture type="bitmp" name="reflectance"/>"#),
@@ -80,9 +84,9 @@ fn unknown_names_are_reported_with_suggestions() {
             "`radius`",
         ),
         (
-            r#"<integrator type="path"><integer name="maxdepth" value="1"/></integrator>"#.into(),
-            "2:25",
-            "`max_depth`",
+            film(r#"<integer name="hieght" value="1"/>"#),
+            "2:49",
+            "`height`",
         ),
         (
             bsdf("plastic", r#"<float name="alpha" value="0.1"/>"#),
@@ -165,10 +169,10 @@ fn values_of_the_wrong_type_are_rejected() {
         (
             bsdf(
                 "diffuse",
-                r#"<spectrum name="reflectance" value="400:1, 700:0"/>"#,
+                r#"<spectrum name="reflectance" value="700:1, 400:0"/>"#,
             ),
             "2:58",
-            "not supported: spectra",
+            "a wavelength above the one before",
         ),
         (
             bsdf("diffuse", r#"<boolean name="reflectance" value="true"/>"#),
@@ -268,18 +272,14 @@ fn values_out_of_range_are_rejected() {
             "above `near_clip`",
         ),
         (
-            sensor(&float("principal_point_offset_x", "0.1")),
+            sensor(&float("principal_point_offset_x", "101")),
             "2:28",
-            "shifted film",
+            "at most 100 film widths",
         ),
         (sized("0", "5"), "2:49", "at least 1"),
         (sized("5", "-1"), "2:82", "at least 1"),
         (sized("100000", "100000"), "2:28", "pixels"),
-        (
-            film(&integer("crop_width", "5")),
-            "2:49",
-            "part of the film",
-        ),
+        (film(&integer("crop_width", "769")), "2:49", "at most 768"),
         (
             film(r#"<boolean name="sample_border" value="true"/>"#),
             "2:49",
@@ -287,11 +287,6 @@ fn values_out_of_range_are_rejected() {
         ),
         (path(integer("max_depth", "-2")), "2:25", "-1 (no limit)"),
         (path(integer("rr_depth", "0")), "2:25", "at least 1"),
-        (
-            path(r#"<boolean name="hide_emitters" value="true"/>"#.into()),
-            "2:25",
-            "not supported",
-        ),
         (placed(r#"<scale z="0"/>"#), "2:20", "singular"),
         (
             placed(r#"<matrix value="1 2 3 2 4 6 0 0 1"/>"#),
@@ -334,9 +329,9 @@ fn contradictions_are_rejected() {
     let deep = "<bsdf type=\"twosided\">\n".repeat(70) + &"</bsdf>".repeat(70);
     assert_fail(&[
         (
-            r#"<shape type="cube" id="a"/><shape type="cube" id="a"/>"#.into(),
-            "2:51",
-            "scene.xml:2:1",
+            r#"<bsdf type="diffuse" id="a"/><bsdf type="diffuse" id="a"/><shape type="cube"><ref id="a"/></shape>"#.into(),
+            "2:78",
+            "scene.xml:2:1 and the one at",
         ),
         (
             sphere(&(r#"<float name="radius" value="1"/>"#.repeat(2))),
@@ -431,11 +426,6 @@ fn contradictions_are_rejected() {
             "the scene has no parameter",
         ),
         (
-            r#"<path value="nowhere"/>"#.into(),
-            "2:14",
-            "no such folder",
-        ),
-        (
             r#"<include filename="none.xml"/>"#.into(),
             "2:20",
             "none.xml",
@@ -526,11 +516,6 @@ fn invalid_scene_files_are_rejected() {
         ("<scene/>", "1:1", "needs a version"),
         ("<scene version=\"three\"/>", "1:1", "not \"three\""),
         ("<scene version=\"3.0.0\"/>", "1:1", "no sensor"),
-        (
-            "<scene version=\"3.0.0\"><sensor type=\"perspective\"/></scene>",
-            "1:1",
-            "no emitter",
-        ),
     ] {
         let message = load_text(text).expect_err(text).to_string();
         let start = format!("scene.xml:{place}: ");
@@ -543,10 +528,11 @@ fn invalid_scene_files_are_rejected() {
     let path = folder.path().join("scene.xml");
     let message = load(&path, &[]).expect_err("a missing file").to_string();
     assert!(message.contains("scene.xml") && message.contains("No such file"));
-    fs::write(&path, b"<scene version=\"3.0.0\">\n  <!-- \xe9 \xff -->").expect("a file");
-    let message = load(&path, &[]).expect_err("latin 1").to_string();
+    let text = b"<?xml version=\"1.0\" encoding=\"Shift_JIS\"?>\n<scene> \x81 \xff</scene>";
+    fs::write(&path, text).expect("a file");
+    let message = load(&path, &[]).expect_err("broken text").to_string();
     assert!(
-        message.contains("scene.xml:2:8: ") && message.contains("UTF-8"),
+        message.contains("scene.xml:2:9: ") && message.contains("not valid Shift_JIS"),
         "{message}"
     );
 }

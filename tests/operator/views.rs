@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use metrolight::math::Rgb;
-use metrolight::scene::{Material, Scene, ShapeDescription, Texture};
+use metrolight::scene::{Material, Radiance, Scene, ShapeDescription, Texture};
 use rayon::prelude::*;
 
 use super::room::{Color, Solution, Surface, block, direct, surfaces};
@@ -81,7 +81,8 @@ impl View {
             builder.materials.push(Material::Diffuse { reflectance: i });
             builder.shapes.push(ShapeDescription {
                 material: i,
-                emission: (surface.emission != DVec3::ZERO).then(|| rgb(surface.emission)),
+                emission: (surface.emission != DVec3::ZERO)
+                    .then(|| Radiance::Constant(rgb(surface.emission))),
                 ..parallelogram(rectangle.corner, rectangle.a, rectangle.b)
             });
         }

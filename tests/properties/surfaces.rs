@@ -1,11 +1,12 @@
 //! Transforms of shapes: positions, normals and sides of surfaces.
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3};
 use metrolight::film::Filter;
 use metrolight::math::Rgb;
 use metrolight::scene::{
-    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Ray, RayCounts,
-    Scene, SceneDescription, ShapeDescription, ShapeGeometry, SurfacePoint, Texture, TriangleMesh,
+    CameraDescription, DepthLimits, EmitterDescription, FilmSettings, Material, Projection, Ray,
+    RayCounts, Scene, SceneDescription, ShapeDescription, ShapeGeometry, SurfacePoint, Texture,
+    TriangleMesh,
 };
 use proptest::prelude::*;
 
@@ -23,20 +24,25 @@ fn scene(geometry: ShapeGeometry, to_world: DMat4, flip_normals: bool) -> Scene 
     let description = SceneDescription {
         camera: CameraDescription {
             to_world: DMat4::IDENTITY,
-            fov_x: 50.0,
+            projection: Projection::Perspective {
+                fov_x: 50.0,
+                lens: None,
+            },
+            principal_point_offset: DVec2::ZERO,
             near_clip: 0.01,
             far_clip: 1e4,
-            lens: None,
         },
         film: FilmSettings {
             width: 2,
             height: 2,
             filter: Filter::Box,
+            crop: None,
         },
         depth: DepthLimits {
             max_depth: None,
             rr_depth: 5,
         },
+        hide_emitters: false,
         textures: vec![Texture::Constant(Rgb::splat(0.5))],
         materials: vec![Material::Diffuse { reflectance: 0 }],
         shapes: vec![shape],

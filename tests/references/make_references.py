@@ -94,6 +94,10 @@ REFERENCES = [
     *[reference(name, 256) for name in (
         "mask", "thindielectric", "blendbsdf", "anisotropic", "normalmap", "bumpmap", "principled", "principledthin",
     )],
+    *[reference(name, 256) for name in (
+        "spot", "projector", "area_texture", "cylinder", "disk", "instances", "orthographic", "principal_point", "hidden",
+        "spectrum",
+    )],
 ]
 # The small scenes have much in common: with the same random numbers their noise would be alike too.
 for number, entry in enumerate(entry for entry in REFERENCES if entry["scene"].startswith("tests/")):

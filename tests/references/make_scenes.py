@@ -32,7 +32,7 @@ def sky(scale=1, *turns):
     )
 
 
-def stage(note, *sections, eye=None, light="both", max_depth=6, **values):
+def stage(note, *sections, eye=None, light="both", max_depth=6, method=(), **values):
     """A floor with objects on it; light is "sky", "lamp", "both", or "none" for a scene with its own."""
     lamp = wall("down", (0.8, 3.0, 1.2), 0.6, 0.5, area((5, 4.6, 4)), material="Floor")
     lights = {"sky": [sky()], "lamp": [lamp], "both": [sky(0.6), lamp], "none": []}[light]
@@ -47,8 +47,14 @@ def stage(note, *sections, eye=None, light="both", max_depth=6, **values):
             *lights,
         ),
         section("What it is about", *sections),
+        method=method,
     )
 
+
+# Every twentieth value of the green wall of the Cornell box, and its lamp (Goral et al. 1984, as measured at
+# Cornell University).
+PAINT = "400:0.092, 440:0.097, 480:0.113, 520:0.285, 560:0.214, 600:0.134, 640:0.136, 680:0.184, 700:0.21"
+LAMP = "400:0, 500:2, 600:3.9, 700:4.6"
 
 PLACES = [(-1.05, 0.451, 0), (0, 0.451, 0), (1.05, 0.451, 0)]
 
@@ -212,6 +218,24 @@ def materials():
 
 
 # Textures ----------------------------------------------------------------------------------------
+
+
+    yield "spectrum", stage(
+        "Spectra: a painted wall of the Cornell box and its lamp, a ramp, and metal by numbers.",
+        *three_balls(
+            diffuse([f'<spectrum name="reflectance" value="{PAINT}"/>']),
+            diffuse(['<spectrum name="reflectance" value="400:0.1, 500:0.3, 600:0.6, 700:0.8"/>']),
+            bsdf(
+                "conductor",
+                ['<spectrum name="eta" value="0.24873"/>'],
+                ['<spectrum name="k" value="400:1.9, 500:1.8, 600:3.0, 700:4.0"/>'],
+            ),
+        ),
+        wall(
+            "down", (-0.6, 2.4, 0.6), 0.4, 0.4,
+            element("emitter", [f'<spectrum name="radiance" value="{LAMP}"/>'], type="area"), diffuse(0),
+        ),
+    )
 
 
 def textures():
@@ -429,6 +453,27 @@ def emitters():
             rgb("irradiance", (0.2, 0.4, 0.8)), type="directional",
         ),
     )
+    yield "spot", lit_by(
+        "Two spots: the edge of one is soft, that of the other sharp.",
+        element(
+            "emitter",
+            transform(lookat((0.5, 2.6, 1.6), (-0.4, 0.2, 0))),
+            rgb("intensity", (16, 14, 10)), number("cutoff_angle", 25), type="spot",
+        ),
+        element(
+            "emitter",
+            transform(lookat((2, 1.5, 1.5), (0.9, 0.3, 0))),
+            rgb("intensity", (2, 5, 9)), number("cutoff_angle", 18), number("beam_width", 17), type="spot",
+        ),
+    )
+    yield "projector", lit_by(
+        "A projector without an image: a square of light.",
+        element(
+            "emitter",
+            transform(lookat((0.6, 2.6, 2.0), (0, 0.3, 0), (0.3, 1, 0))),
+            rgb("irradiance", (2.5, 2.2, 1.6)), number("scale", 1.2), number("fov", 40), type="projector",
+        ),
+    )
     yield "constant", lit_by(
         "The same radiance from everywhere.",
         element("emitter", rgb("radiance", (0.7, 0.8, 1)), type="constant"),
@@ -450,6 +495,20 @@ def emitters():
         shape(
             "ply", string("filename", "coarse.ply"), boolean("face_normals", True),
             transform(scale(0.2, 0.3, 0.2), translate(0.1, 1.7, -0.6)), area((3, 4, 8)), black,
+        ),
+    )
+    yield "area_texture", lit_by(
+        "Area lights with a picture: on a sphere, and on a rectangle.",
+        shape(
+            "sphere",
+            transform(rotate("x", 40), translate(-1.2, 1.9, 0.5)),
+            number("radius", 0.4),
+            element("emitter", picture(name="radiance"), type="area"), black,
+        ),
+        shape(
+            "rectangle",
+            transform(scale(1, 0.8, 1), rotate("x", 70), translate(0.4, 2.2, 0.3)),
+            element("emitter", picture(name="radiance"), type="area"), black,
         ),
     )
     yield "area_sides", stage(
@@ -537,6 +596,51 @@ def shapes():
             material="Picture",
         ),
     )
+    yield "cylinder", stage(
+        "Cylinders: painted outside and inside, of metal, in glass; one that shines.",
+        shape(
+            "cylinder",
+            transform(scale(0.4, 0.4, 0.8), rotate("x", -90), rotate("z", 10), translate(-1.05, 0, 0)),
+            bsdf("twosided", diffuse(picture())),
+        ),
+        shape(
+            "cylinder",
+            point("p0", (0, 0.02, 0.2)), point("p1", (0.2, 0.7, -0.2)), number("radius", 0.3),
+            bsdf("twosided", bsdf("roughconductor", string("material", "Au"), number("alpha", 0.2))),
+        ),
+        shape(
+            "cylinder",
+            boolean("flip_normals", True), point("p0", (1.05, 0.02, 0)), point("p1", (1.05, 0.6, 0)), number("radius", 0.3),
+            diffuse((0.2, 0.3, 0.8)),
+        ),
+        shape(
+            "cylinder",
+            point("p0", (-0.6, 1.5, 0.3)), point("p1", (0.6, 1.6, 0.1)), number("radius", 0.06),
+            area((4, 6, 8)), diffuse(0),
+        ),
+    )
+    yield "disk", stage(
+        "Disks: a picture, an ellipse of one-sided paint from behind and before, and one that shines.",
+        shape("disk", transform(scale(0.45), rotate("y", 25), translate(*PLACES[0])), diffuse(picture())),
+        shape(
+            "disk", boolean("flip_normals", True),
+            transform(scale(0.45, 0.25, 1), rotate("y", 150), translate(*PLACES[1])), diffuse((0.7, 0.4, 0.2)),
+        ),
+        shape("disk", transform(scale(0.3, 0.45, 1), rotate("y", 150), translate(*PLACES[2])), diffuse((0.2, 0.7, 0.3))),
+        shape("disk", transform(scale(0.4), rotate("x", 100), translate(0.2, 1.8, 0.4)), area((6, 5, 3)), diffuse(0)),
+    )
+    yield "instances", stage(
+        "A group of shapes, placed three times.",
+        shape(
+            "shapegroup",
+            sphere((0, 0, 0), 0.2, diffuse((0.8, 0.3, 0.1))),
+            shape("cube", transform(scale(0.15), translate(0, 0.35, 0)), diffuse(picture())),
+            name="Group",
+        ),
+        shape("instance", element("ref", id="Group"), transform(rotate("z", 20), translate(*PLACES[0]))),
+        shape("instance", element("ref", id="Group"), transform(scale(1.4), rotate("y", 40), translate(*PLACES[1]))),
+        shape("instance", element("ref", id="Group"), transform(rotate("x", 50), translate(*PLACES[2]))),
+    )
     yield "in_glass", stage(
         "Things in glass: paint in a ball, metal in a cube, a ball of glass in a ball of water.",
         bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1), id="Glass"),
@@ -581,6 +685,26 @@ def cameras():
     yield "thinlens", seen_by(
         "A wide aperture, focused on the ball in the middle.",
         camera(EYE, TARGET, FOV, lens=(0.25, 4.0)),
+    )
+    yield "orthographic", seen_by(
+        "Parallel rays: no perspective.",
+        camera((0.8, 2.2, 4.2), (0, 0.7, 0), None, width=4.2, up=(0.2, 1, 0)),
+    )
+    yield "principal_point", seen_by(
+        "A shifted film.",
+        camera(
+            EYE, TARGET, FOV,
+            number("principal_point_offset_x", 0.15), number("principal_point_offset_y", -0.25),
+        ),
+    )
+    yield "hidden", stage(
+        "Emitters that the camera does not see: an area light before the objects, and the sky behind them.",
+        *objects,
+        # Behind it only meshes: Mitsuba 3.9 takes the distance beyond a hidden emitter for the whole distance,
+        # and shades spheres there at wrong places.
+        shape("sphere", point("center", (-0.5, 1.65, 0.8)), number("radius", 0.25), area((4, 3, 5)), diffuse(0.5)),
+        method=[boolean("hide_emitters", True)],
+        max_depth=4,
     )
     yield "tent", seen_by(
         "A tent filter.", camera(EYE, TARGET, FOV, rfilter=("tent", number("radius", 1.5)))

@@ -5,8 +5,8 @@
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::scene::{
-    Casters, EmitterDescription, Material, Scene, ShapeDescription, ShapeGeometry, Texture,
-    ThinLens, TriangleMesh,
+    Casters, EmitterDescription, Material, Radiance, Scene, ShapeDescription, ShapeGeometry,
+    Texture, ThinLens, TriangleMesh,
 };
 
 use super::classes::{Emitter, Lens};
@@ -55,7 +55,7 @@ pub fn plates(emitter: Emitter, lens: Lens, glass_and_mirror: bool, depth: u32) 
     match emitter {
         Emitter::Area => builder.shapes.push(ShapeDescription {
             name: "lamp".into(),
-            emission: Some(Rgb::new(3.0, 4.0, 5.0)),
+            emission: Some(Radiance::Constant(Rgb::new(3.0, 4.0, 5.0))),
             ..sphere(LAMP, 0.35)
         }),
         Emitter::Point => builder.emitters.push(EmitterDescription::Point {

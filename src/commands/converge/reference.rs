@@ -86,7 +86,7 @@ pub fn render(
         .collect();
     warn(&warnings);
     let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
-    output::write_rendering(path, &rendering, &report)?;
+    output::write_rendering(path, &rendering, None, &report)?;
     let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
     let spent = match options.budget {
         Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),

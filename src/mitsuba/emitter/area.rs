@@ -1,14 +1,20 @@
 //! `area`: a surface that emits equally in all directions. It is nested in the shape.
 
 use super::parameters::emission;
-use crate::math::Rgb;
 use crate::mitsuba::builder::Builder;
 use crate::mitsuba::error::{LoadError, Located};
-use crate::mitsuba::xml::Object;
-use crate::scene::EmitterDescription;
+use crate::mitsuba::texture;
+use crate::mitsuba::xml::{Object, Value};
+use crate::scene::{EmitterDescription, Radiance};
 
-pub fn radiance(object: &Object) -> Result<Rgb, LoadError> {
-    emission(object, "radiance")
+pub fn radiance(builder: &mut Builder, object: &Object) -> Result<Radiance, LoadError> {
+    match object.find("radiance").map(|property| &property.value) {
+        Some(&Value::Object(index)) => {
+            let range = texture::Range::UnitInterval;
+            texture::texture(builder, index, range).map(Radiance::Texture)
+        }
+        _ => emission(object, "radiance").map(Radiance::Constant),
+    }
 }
 
 /// An area emitter anywhere else is an error.

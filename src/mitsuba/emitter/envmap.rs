@@ -1,7 +1,8 @@
 //! `envmap`: radiance from all directions, given by an image.
 
-use glam::{DMat3, DMat4};
+use glam::DMat4;
 
+use super::parameters::is_similarity;
 use crate::film::Decode;
 use crate::mitsuba::builder::Builder;
 use crate::mitsuba::error::{LoadError, Located};
@@ -21,7 +22,7 @@ pub fn envmap(builder: &Builder, object: &Object) -> Result<EmitterDescription, 
             return Err(property.not_modelled(feature));
         }
     };
-    object.ignore(&["mis_compensation"]);
+    object.ignore(&["mis_compensation", "cache"]);
     let is_radiance = |x: f32| x >= 0.0 && x.is_finite();
     let range = "0 or above, and finite";
     let image = image(builder, object, Decode::Srgb, range, is_radiance)?;
@@ -31,12 +32,4 @@ pub fn envmap(builder: &Builder, object: &Object) -> Result<EmitterDescription, 
         scale: scale as f32,
         to_world,
     })
-}
-
-/// True if the linear part is a rotation, with or without reflection and uniform scale.
-fn is_similarity(m: DMat4) -> bool {
-    let m = DMat3::from_mat4(m);
-    let gram = m.transpose() * m;
-    let scale = gram.x_axis.x;
-    scale > 0.0 && (gram / scale).abs_diff_eq(DMat3::IDENTITY, 1e-3)
 }

@@ -6,22 +6,25 @@ mod directional;
 mod envmap;
 mod parameters;
 mod point;
+mod projector;
+mod spot;
 
 use super::builder::Builder;
 use super::error::{LoadError, Located};
 use super::xml::Object;
-use crate::math::Rgb;
-use crate::scene::EmitterDescription;
+use crate::scene::{EmitterDescription, Radiance};
 
 type Constructor = fn(&Builder, &Object) -> Result<EmitterDescription, LoadError>;
 
 /// The emitters.
-const PLUGINS: [(&str, Constructor); 5] = [
+const PLUGINS: [(&str, Constructor); 7] = [
     ("area", area::outside_a_shape),
     ("constant", constant::constant),
     ("directional", directional::directional),
     ("envmap", envmap::envmap),
     ("point", point::point),
+    ("projector", projector::projector),
+    ("spot", spot::spot),
 ];
 
 /// Adds the emitter at `index` to the scene.
@@ -36,7 +39,7 @@ pub fn emitter(builder: &mut Builder, index: usize) -> Result<(), LoadError> {
 }
 
 /// The radiance of the area emitter at `index`, which is nested in a shape.
-pub fn area_radiance(builder: &Builder, index: usize) -> Result<Rgb, LoadError> {
+pub fn area_radiance(builder: &mut Builder, index: usize) -> Result<Radiance, LoadError> {
     let object = builder.object(index);
     object.find_plugin(&PLUGINS)?;
     if object.plugin != "area" {
@@ -46,7 +49,7 @@ pub fn area_radiance(builder: &Builder, index: usize) -> Result<Rgb, LoadError> 
         )));
     }
     ignore_weight(object);
-    let radiance = area::radiance(object)?;
+    let radiance = area::radiance(builder, object)?;
     builder.finish(object)?;
     Ok(radiance)
 }

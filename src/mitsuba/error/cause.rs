@@ -29,9 +29,9 @@ pub enum Cause {
         /// The largest size allowed, in bytes.
         limit: u64,
     },
-    /// The text is not UTF-8.
-    #[error("the file is not valid UTF-8")]
-    NotUtf8,
+    /// The text is not in the encoding that the file declares.
+    #[error("the file is not valid {0}, the encoding that it declares; save it as UTF-8")]
+    Encoding(&'static str),
     /// Not well-formed XML.
     #[error("broken XML: {0}")]
     Xml(String),
@@ -188,13 +188,15 @@ pub enum Cause {
         /// The known ids.
         known: Vec<String>,
     },
-    /// An id given twice.
-    #[error("the id `{id}` is already in use at {first}; ids must be unique")]
+    /// A reference to an id that is given twice.
+    #[error("two objects have the id `{id}`: the one at {first} and the one at {second}")]
     DuplicateId {
         /// The id.
         id: String,
         /// The first object with this id.
         first: Place,
+        /// Where the id is given again.
+        second: Place,
     },
     /// Objects that contain each other.
     #[error("circular reference: {0}")]
@@ -239,14 +241,19 @@ pub enum Cause {
         /// The allowed range.
         range: &'static str,
     },
+    /// A file with a spectrum cannot be used.
+    #[error("{}:{line}: {problem}", path.display())]
+    SpectrumFile {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The scene has no sensor.
     #[error("the scene has no sensor: add <sensor type=\"perspective\">")]
     NoSensor,
-    /// The scene has no emitter.
-    #[error(
-        "the scene has no emitter: add an area, point, directional, constant or envmap emitter"
-    )]
-    NoEmitter,
     /// A transform without an inverse.
     #[error("the transform of {0} is singular: it maps space to a plane, a line or a point")]
     SingularTransform(String),

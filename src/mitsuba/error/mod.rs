@@ -11,8 +11,11 @@ pub use cause::Cause;
 
 use super::source::Place;
 
-/// A fault in a scene file or in a file that it names. The message begins with the place,
-/// `scene.xml:12:3`.
+/// Most faults that one error lists.
+const MAX_LISTED: usize = 64;
+
+/// A fault in a scene file or in a file that it names, and the faults found after it. The message is
+/// that of the first and begins with its place, `scene.xml:12:3`; a report shows the others as well.
 #[derive(Debug)]
 pub struct LoadError(Box<Fault>);
 
@@ -20,11 +23,37 @@ pub struct LoadError(Box<Fault>);
 struct Fault {
     place: Option<Place>,
     cause: Cause,
+    /// The faults found after this one, each without others.
+    others: Vec<LoadError>,
 }
 
 impl LoadError {
     fn new(place: Option<Place>, cause: Cause) -> Self {
-        Self(Box::new(Fault { place, cause }))
+        let others = Vec::new();
+        Self(Box::new(Fault {
+            place,
+            cause,
+            others,
+        }))
+    }
+
+    /// This error and `next`, which was found after it. A fault that is listed already is left out: an
+    /// object that cannot be built is an error of each object that refers to it.
+    pub(super) fn and(mut self, mut next: Self) -> Self {
+        let more = std::mem::take(&mut next.0.others);
+        for fault in std::iter::once(next).chain(more) {
+            let text = fault.to_string();
+            let is_new = self.faults().all(|known| known.to_string() != text);
+            if is_new && self.0.others.len() + 1 < MAX_LISTED {
+                self.0.others.push(fault);
+            }
+        }
+        self
+    }
+
+    /// This fault, and those found after it.
+    pub fn faults(&self) -> impl Iterator<Item = &LoadError> {
+        std::iter::once(self).chain(&self.0.others)
     }
 
     /// A fault outside the text of all scene files.
@@ -67,6 +96,39 @@ impl Diagnostic for LoadError {
         let place = self.0.place.as_ref()?;
         let label = LabeledSpan::new_with_span(Some("here".into()), place.span());
         Some(Box::new(std::iter::once(label)))
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        let others = self.0.others.iter();
+        (others.len() > 0).then(|| {
+            let all: Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a> =
+                Box::new(others.map(|other| other as &dyn Diagnostic));
+            all
+        })
+    }
+}
+
+/// The faults found so far.
+#[derive(Debug, Default)]
+pub(super) struct Faults(Option<LoadError>);
+
+impl Faults {
+    /// Adds a fault, and all that were found after it.
+    pub fn add(&mut self, error: LoadError) {
+        self.0 = Some(match self.0.take() {
+            Some(first) => first.and(error),
+            None => error,
+        });
+    }
+
+    /// The value of `result`; `None` if it is a fault, which is added.
+    pub fn check<T>(&mut self, result: Result<T, LoadError>) -> Option<T> {
+        result.map_err(|error| self.add(error)).ok()
+    }
+
+    /// `value`, unless there are faults.
+    pub fn or<T>(self, value: T) -> Result<T, LoadError> {
+        self.0.map_or(Ok(value), Err)
     }
 }
 

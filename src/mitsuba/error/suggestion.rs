@@ -1,7 +1,8 @@
 //! Suggestions for a misspelled name.
 
-/// Minimum Jaro-Winkler similarity (1 for equal names) of a suggestion.
-const MIN_SIMILARITY: f64 = 0.7;
+/// A name is suggested if at most one in this many characters was misspelled: wrong, missing, too many,
+/// or swapped with the next.
+const CHARACTERS_PER_ERROR: usize = 3;
 
 /// Maximum number of known names that a message lists.
 const MAX_LISTED: usize = 40;
@@ -30,10 +31,31 @@ pub(super) fn listed(known: &[String]) -> String {
 
 fn nearest<'a>(found: &str, known: &'a [String]) -> Option<&'a str> {
     let found = found.to_lowercase();
+    let most_errors = (found.chars().count() / CHARACTERS_PER_ERROR).max(1);
     known
         .iter()
-        .map(|name| (strsim::jaro_winkler(&found, &name.to_lowercase()), name))
-        .filter(|(similarity, _)| *similarity >= MIN_SIMILARITY)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|name| (strsim::osa_distance(&found, &name.to_lowercase()), name))
+        .filter(|(errors, _)| *errors <= most_errors)
+        .min_by_key(|(errors, _)| *errors)
         .map(|(_, name)| name.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn a_name_is_suggested_only_for_a_misspelling_of_it() {
+        let known = ["height", "width", "rfilter", "max_depth", "Au"].map(str::to_owned);
+        for (found, expected) in [
+            ("hieght", Some("height")),
+            ("maxdepth", Some("max_depth")),
+            ("Aux", Some("Au")),
+            ("high_quality_edges", None),
+            ("filename", None),
+            ("alpha", None),
+        ] {
+            assert_eq!(nearest(found, &known), expected, "{found}");
+        }
+    }
 }

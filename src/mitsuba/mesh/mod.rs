@@ -4,8 +4,11 @@ pub mod obj;
 pub mod ply;
 pub mod serialized;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+
+use glam::DMat4;
 
 use super::file::regular_file_size;
 use crate::scene::TriangleMesh;
@@ -61,8 +64,8 @@ impl MeshError {
 pub struct MeshFile {
     /// The mesh: not empty, all numbers finite, all indices in range.
     pub mesh: TriangleMesh,
-    /// A warning for the user.
-    pub note: Option<String>,
+    /// Warnings for the user.
+    pub notes: Vec<String>,
 }
 
 /// The contents of a file.
@@ -71,9 +74,10 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     bytes.map_err(|error| MeshError::nowhere(format!("cannot read it: {error}")))
 }
 
-/// Checks the invariants of a [`TriangleMesh`]. Normals are checked only where a triangle uses
-/// them, because files contain unused vertices with normals of length zero.
-fn check(mesh: &TriangleMesh) -> Result<(), MeshError> {
+/// Checks the invariants of a [`TriangleMesh`], and replaces missing normals, which are zero, by the mean of
+/// those of the triangles around them. Returns a warning if there are any. Normals are checked only where a
+/// triangle uses them, because files contain unused vertices with normals of length zero.
+fn check(mesh: &mut TriangleMesh) -> Result<Option<String>, MeshError> {
     if mesh.triangles.is_empty() {
         return Err(MeshError::nowhere("the mesh has no triangles"));
     }
@@ -90,6 +94,7 @@ fn check(mesh: &TriangleMesh) -> Result<(), MeshError> {
             return bad_vertex("the texture coordinate of vertex", i, uv);
         }
     }
+    let mut missing = BTreeSet::new();
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         for &index in triangle {
             let i = index as usize;
@@ -101,11 +106,26 @@ fn check(mesh: &TriangleMesh) -> Result<(), MeshError> {
             }
             if let Some(n) = mesh.normals.get(i) {
                 let length_squared: f32 = n.iter().map(|x| x * x).sum();
-                if !(length_squared > 0.0 && length_squared.is_finite()) {
+                if !length_squared.is_finite() {
                     return bad_vertex("the normal of vertex", i, n);
+                }
+                if length_squared == 0.0 {
+                    missing.insert(i);
                 }
             }
         }
     }
-    Ok(())
+    if missing.is_empty() {
+        return Ok(None);
+    }
+    let geometric = mesh.smooth_normals(&DMat4::IDENTITY);
+    for &i in &missing {
+        mesh.normals[i] = geometric[i];
+    }
+    Ok(Some(format!(
+        "{} of {} vertices have no normal or one of length zero; the normals of the triangles around \
+         them are used",
+        missing.len(),
+        mesh.positions.len()
+    )))
 }

@@ -37,12 +37,12 @@ pub fn read(bytes: &[u8], index: usize, with_normals: bool) -> Result<MeshFile, 
     };
     let version = self::version(bytes, start)?;
     let stream = BufReader::new(ZlibDecoder::new(&bytes[start + 4..]));
-    let mesh = decode(Stream(stream), version, with_normals).map_err(|problem| {
+    let mut mesh = decode(Stream(stream), version, with_normals).map_err(|problem| {
         let problem = format!("mesh {index}: {problem}");
         MeshError::at_byte(start, problem)
     })?;
-    check(&mesh)?;
-    Ok(MeshFile { mesh, note: None })
+    let notes = check(&mut mesh)?.into_iter().collect();
+    Ok(MeshFile { mesh, notes })
 }
 
 fn version(bytes: &[u8], start: usize) -> Result<Version, MeshError> {

@@ -49,15 +49,22 @@ fn from_file(
 ) -> Result<ShapeGeometry, LoadError> {
     let (path, property) = builder.file(object)?;
     let smooth = !object.boolean("face_normals", false)?;
+    let is_angle = |degrees: f64| (0.0..=180.0).contains(&degrees);
+    let range = "between 0 and 180 degrees";
+    let max_smooth_angle = object.float_in("max_smooth_angle", 0.0, range, is_angle)?;
+    // Where vertices are shared, and how many materials a file has, makes no difference here.
+    object.ignore(&["collapse", "load_materials"]);
     let found = mesh::read_bytes(&path).and_then(|bytes| read(&bytes, smooth));
-    let MeshFile { mut mesh, note } = match found {
+    let MeshFile { mut mesh, notes } = match found {
         Ok(found) => found,
         Err(error) => return Err(property.error(Cause::Mesh { path, error })),
     };
-    if smooth && mesh.normals.is_empty() {
+    if smooth && max_smooth_angle > 0.0 {
+        mesh.smooth_up_to(max_smooth_angle, &to_world(object)?);
+    } else if smooth && mesh.normals.is_empty() {
         mesh.compute_vertex_normals(&to_world(object)?);
     }
-    let warning = |note| property.warning(format!("{}: {note}", path.display()));
-    builder.warnings.extend(note.map(warning));
+    let warning = |note: String| property.warning(format!("{}: {note}", path.display()));
+    builder.warnings.extend(notes.into_iter().map(warning));
     Ok(ShapeGeometry::Mesh(mesh))
 }

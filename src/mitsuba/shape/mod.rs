@@ -1,11 +1,15 @@
 //! `shape`: surfaces.
 
+mod instance;
 mod mesh;
+mod round;
 mod sphere;
 mod to_world;
 
+use glam::DMat4;
+
 use super::builder::Builder;
-use super::error::LoadError;
+use super::error::{Faults, LoadError};
 use super::xml::{Object, Tag};
 use super::{bsdf, emitter};
 use crate::scene::{ShapeDescription, ShapeGeometry};
@@ -13,9 +17,11 @@ use crate::scene::{ShapeDescription, ShapeGeometry};
 /// Makes the geometry of a shape in its local coordinates.
 type Constructor = fn(&mut Builder, &Object) -> Result<ShapeGeometry, LoadError>;
 
-/// The shapes.
-const PLUGINS: [(&str, Constructor); 6] = [
+/// The shapes, besides groups and their instances.
+const PLUGINS: [(&str, Constructor); 8] = [
     ("cube", mesh::cube),
+    ("cylinder", round::cylinder),
+    ("disk", round::disk),
     ("obj", mesh::obj),
     ("ply", mesh::ply),
     ("rectangle", mesh::rectangle),
@@ -23,27 +29,41 @@ const PLUGINS: [(&str, Constructor); 6] = [
     ("sphere", sphere::sphere),
 ];
 
-/// Adds the shape at `index` to the scene.
+/// Adds the shape at `index` to the scene. A group has no place of its own.
 pub fn shape(builder: &mut Builder, index: usize) -> Result<(), LoadError> {
+    match builder.object(index).plugin.as_str() {
+        instance::GROUP => instance::check_group(builder, index),
+        instance::INSTANCE => instance::instance(builder, index),
+        _ => placed(builder, index, DMat4::IDENTITY),
+    }
+}
+
+/// Adds the shape at `index`, placed by `parent` after its own transform.
+fn placed(builder: &mut Builder, index: usize, parent: DMat4) -> Result<(), LoadError> {
     let object = builder.object(index);
     let constructor = object.find_plugin(&PLUGINS)?;
-    let to_world = to_world::to_world(object)?;
-    let geometry = constructor(builder, object)?;
-    let emission = match builder.child(object, Tag::Emitter)? {
-        Some(index) => Some(emitter::area_radiance(builder, index)?),
-        None => None,
+    // Whatever is wrong with one part, the others are looked at.
+    let mut faults = Faults::default();
+    let to_world = faults.check(to_world::to_world(object));
+    let geometry = faults.check(constructor(builder, object));
+    let emitter = faults.check(builder.child(object, Tag::Emitter)).flatten();
+    let emission = emitter.map(|index| emitter::area_radiance(builder, index));
+    let emission = emission.and_then(|radiance| faults.check(radiance));
+    let material = match faults.check(builder.child(object, Tag::Bsdf)).flatten() {
+        Some(index) => faults.check(bsdf::material(builder, index)),
+        None => Some(bsdf::default_material(builder, emitter.is_some())),
     };
-    let material = match builder.child(object, Tag::Bsdf)? {
-        Some(index) => bsdf::material(builder, index)?,
-        None => bsdf::default_material(builder, emission.is_some()),
-    };
-    let flip_normals = object.boolean("flip_normals", false)?;
+    let flip_normals = faults.check(object.boolean("flip_normals", false));
     object.ignore(&["silhouette_sampling_weight"]);
-    builder.finish(object)?;
+    faults.check(builder.finish(object));
+    let parts = (|| Some((geometry?, to_world?, flip_normals?, material?)))();
+    let Some((geometry, to_world, flip_normals, material)) = faults.or(parts)? else {
+        return Ok(());
+    };
     builder.shapes.push(ShapeDescription {
         name: name(object),
         geometry,
-        to_world,
+        to_world: parent * to_world,
         flip_normals,
         material,
         emission,

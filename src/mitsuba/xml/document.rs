@@ -4,9 +4,10 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
+use encoding_rs::{Encoding, WINDOWS_1252};
 use roxmltree::{Document, Node};
 
-use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
 use crate::mitsuba::file::regular_file_size;
 use crate::mitsuba::source::{Place, SourceFile};
 
@@ -66,16 +67,26 @@ impl File {
 }
 
 /// Reads the text of a file; `fail` makes an error of the cause if it cannot be read.
-pub fn read(path: &Path, fail: impl Fn(Cause) -> LoadError) -> Result<Arc<SourceFile>, LoadError> {
+pub fn read(
+    path: &Path,
+    fail: impl Fn(Cause) -> LoadError,
+    warnings: &mut Vec<Warning>,
+) -> Result<Arc<SourceFile>, LoadError> {
     let bytes = read_bytes(path).map_err(fail)?;
-    Ok(SourceFile::new(path.to_owned(), checked_utf8(path, bytes)?))
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(SourceFile::new(path.to_owned(), text)),
+        Err(error) => {
+            let valid = error.utf8_error().valid_up_to();
+            other_encoding(path, error.as_bytes(), valid, warnings)
+        }
+    }
 }
 
-/// Parses the XML of a file.
-pub fn parse(source: &Arc<SourceFile>) -> Result<Document<'_>, LoadError> {
-    Document::parse(source.text()).map_err(|error| {
+/// Parses `xml`, the text of the file `source` made well-formed.
+pub fn parse<'a>(source: &Arc<SourceFile>, xml: &'a str) -> Result<Document<'a>, LoadError> {
+    Document::parse(xml).map_err(|error| {
         let position = error.pos();
-        let at = byte_offset(source.text(), position.row, position.col);
+        let at = byte_offset(xml, position.row, position.col);
         let message = without_position(&error.to_string());
         Place::new(source, at..at).error(Cause::Xml(message))
     })
@@ -97,13 +108,38 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Cause> {
     std::fs::read(path).map_err(unreadable)
 }
 
-fn checked_utf8(path: &Path, bytes: Vec<u8>) -> Result<String, LoadError> {
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-        let file = SourceFile::new(path.to_owned(), text);
-        Place::new(&file, valid..valid).error(Cause::NotUtf8)
-    })
+/// The text of bytes that are UTF-8 only up to `valid`: in the encoding of the byte order mark or of the
+/// declaration, else in Windows-1252, of which Latin-1 is a part.
+fn other_encoding(
+    path: &Path,
+    bytes: &[u8],
+    valid: usize,
+    warnings: &mut Vec<Warning>,
+) -> Result<Arc<SourceFile>, LoadError> {
+    let marked = Encoding::for_bom(bytes).map(|(encoding, _)| encoding);
+    let declared = marked.or_else(|| declared_encoding(&bytes[..valid]));
+    let encoding = declared.unwrap_or(WINDOWS_1252);
+    let (text, _, is_malformed) = encoding.decode(bytes);
+    let source = SourceFile::new(path.to_owned(), text.into_owned());
+    let at = valid.min(source.text().len());
+    let place = Place::new(&source, at..at);
+    if is_malformed {
+        return Err(place.error(Cause::Encoding(encoding.name())));
+    }
+    if declared.is_none() {
+        let guess = "the file is not UTF-8 and declares no other encoding: read as Windows-1252";
+        warnings.push(place.warning(guess));
+    }
+    Ok(source)
+}
+
+/// The encoding in the declaration `<?xml ... encoding="NAME"?>` at the start of a file.
+fn declared_encoding(start: &[u8]) -> Option<&'static Encoding> {
+    let text = std::str::from_utf8(start).ok()?;
+    let (declaration, _) = text.trim_start().strip_prefix("<?xml")?.split_once("?>")?;
+    let (_, value) = declaration.split_once("encoding")?;
+    let label = value.split(['"', '\'']).nth(1)?;
+    Encoding::for_label(label.as_bytes())
 }
 
 fn start_tag(node: Node, source: &Arc<SourceFile>) -> Place {

@@ -3,8 +3,9 @@
 use super::object::Tag;
 use super::parameter::{PARAMETERS, Parse};
 
-const DIRECTIVES: [(&str, Directive); 6] = [
+const DIRECTIVES: [(&str, Directive); 7] = [
     ("alias", Directive::Alias),
+    ("animation", Directive::Animation),
     ("default", Directive::Default),
     ("include", Directive::Include),
     ("path", Directive::SearchPath),
@@ -17,6 +18,8 @@ const DIRECTIVES: [(&str, Directive); 6] = [
 pub enum Directive {
     /// A second id of an object.
     Alias,
+    /// A transform, given for several times.
+    Animation,
     /// The default value of a variable.
     Default,
     /// Another scene file.

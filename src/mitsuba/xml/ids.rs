@@ -4,50 +4,91 @@ use std::collections::HashMap;
 
 use super::object::Object;
 use super::property::Value;
-use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::error::{Cause, Faults, LoadError, Located, Warning};
 use crate::mitsuba::source::Place;
 
 /// Maps ids and aliases to indices of objects.
 #[derive(Default)]
-pub struct Ids(HashMap<String, usize>);
+pub struct Ids(HashMap<String, Named>);
+
+/// What an id stands for.
+struct Named {
+    /// The index of the object that has it first.
+    object: usize,
+    /// Where it is given again, if it is.
+    again: Option<Place>,
+}
 
 impl Ids {
-    /// Assigns `id`, which is given at `place`, to the object at `index` of `objects`.
-    pub fn claim(
-        &mut self,
-        id: &str,
-        index: usize,
-        objects: &[Object],
-        place: &Place,
-    ) -> Result<(), LoadError> {
-        match self.0.insert(id.to_owned(), index) {
-            None => Ok(()),
-            Some(first) => {
-                let id = id.to_owned();
-                let first = objects[first].place.clone();
-                Err(place.error(Cause::DuplicateId { id, first }))
+    /// Assigns `id`, which is given at `place`, to the object at `index`. An id may be given twice, but then
+    /// no object may refer to it.
+    pub fn claim(&mut self, id: &str, index: usize, place: &Place) {
+        let again = Some(place.clone());
+        self.0
+            .entry(id.to_owned())
+            .and_modify(|first| first.again = again)
+            .or_insert(Named {
+                object: index,
+                again: None,
+            });
+    }
+
+    /// The index of the object with this id.
+    pub fn object(&self, id: &str, objects: &[Object]) -> Result<usize, Cause> {
+        match self.0.get(id) {
+            Some(Named {
+                object,
+                again: None,
+            }) => Ok(*object),
+            Some(Named {
+                object,
+                again: Some(second),
+            }) => Err(Cause::DuplicateId {
+                id: id.to_owned(),
+                first: objects[*object].place.clone(),
+                second: second.clone(),
+            }),
+            None => {
+                let mut known: Vec<String> = self.0.keys().cloned().collect();
+                known.sort();
+                let found = id.to_owned();
+                Err(Cause::MissingReference { found, known })
             }
         }
     }
 
-    /// The index of the object with this id.
-    pub fn object(&self, id: &str) -> Result<usize, Cause> {
-        self.0.get(id).copied().ok_or_else(|| {
-            let mut known: Vec<String> = self.0.keys().cloned().collect();
-            known.sort();
-            let found = id.to_owned();
-            Cause::MissingReference { found, known }
-        })
+    /// Warnings of ids that are given twice.
+    pub fn duplicates(&self) -> Vec<Warning> {
+        let mut warnings: Vec<(&String, &Place)> = self
+            .0
+            .iter()
+            .filter_map(|(id, named)| Some((id, named.again.as_ref()?)))
+            .collect();
+        warnings.sort_by_key(|(id, _)| *id);
+        let warning = |(id, place): (&String, &Place)| {
+            place.warning(format!(
+                "the id `{id}` is given twice; nothing refers to it"
+            ))
+        };
+        warnings.into_iter().map(warning).collect()
     }
 
     /// Replaces references by the indices of the objects they refer to.
     pub fn resolve_references(&self, objects: &mut [Object]) -> Result<(), LoadError> {
-        for property in objects.iter_mut().flat_map(|o| &mut o.properties) {
-            if let Value::Reference(id) = &property.value {
-                let index = self.object(id).map_err(|cause| property.error(cause))?;
-                property.value = Value::Object(index);
+        let mut faults = Faults::default();
+        for i in 0..objects.len() {
+            for k in 0..objects[i].properties.len() {
+                let property = &objects[i].properties[k];
+                let Value::Reference(id) = &property.value else {
+                    continue;
+                };
+                let found = self.object(id, objects);
+                let found = found.map_err(|cause| property.error(cause));
+                if let Some(index) = faults.check(found) {
+                    objects[i].properties[k].value = Value::Object(index);
+                }
             }
         }
-        Ok(())
+        faults.or(())
     }
 }

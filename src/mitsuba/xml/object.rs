@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use glam::{DMat4, DVec3};
 
 use super::property::{Property, Value};
-use crate::mitsuba::error::{Cause, LoadError, Located};
+use crate::mitsuba::error::{Cause, Faults, LoadError, Located};
 use crate::mitsuba::source::Place;
 
 /// The kind of an object, given by its element.
@@ -34,21 +34,30 @@ pub enum Tag {
     Texture,
     /// A reconstruction filter.
     Rfilter,
+    /// A participating medium.
+    Medium,
+    /// The phase function of a medium.
+    Phase,
+    /// A function of the position in a medium.
+    Volume,
 }
 
 impl Tag {
     /// All tags, with the names of their elements.
-    pub const ALL: [(&'static str, Tag); 10] = [
+    pub const ALL: [(&'static str, Tag); 13] = [
         ("bsdf", Tag::Bsdf),
         ("emitter", Tag::Emitter),
         ("film", Tag::Film),
         ("integrator", Tag::Integrator),
+        ("medium", Tag::Medium),
+        ("phase", Tag::Phase),
         ("rfilter", Tag::Rfilter),
         ("sampler", Tag::Sampler),
         ("scene", Tag::Scene),
         ("sensor", Tag::Sensor),
         ("shape", Tag::Shape),
         ("texture", Tag::Texture),
+        ("volume", Tag::Volume),
     ];
 
     /// The tag of the element `name`, if that is an object.
@@ -304,17 +313,35 @@ impl Object {
         }
     }
 
-    /// Reports the first parameter or nested object that has not been read.
+    /// Reports all parameters and nested objects that have not been read.
     pub fn finish(&self, objects: &[Object]) -> Result<(), LoadError> {
-        let Some(unused) = self.properties.iter().find(|p| !p.used.get()) else {
-            return Ok(());
-        };
+        let mut faults = Faults::default();
+        for unused in self.unused() {
+            faults.add(self.unknown(unused, objects));
+        }
+        faults.or(())
+    }
+
+    /// The parameters and nested objects that have not been read.
+    pub fn unused(&self) -> impl Iterator<Item = &Property> {
+        self.properties.iter().filter(|p| !p.used.get())
+    }
+
+    /// The object has no such parameter or nested object.
+    fn unknown(&self, unused: &Property, objects: &[Object]) -> LoadError {
         let known = self.asked.borrow().iter().cloned().collect();
         let owner = self.title();
-        Err(unused.error(match unused.value {
-            Value::Object(index) if unused.name.is_empty() => Cause::UnexpectedChild {
+        let nested = match unused.value {
+            Value::Object(index) => Some(&objects[index]),
+            _ => None,
+        };
+        unused.error(match nested {
+            Some(medium) if medium.tag == Tag::Medium => {
+                Cause::NotSupported(format!("participating media such as {}", medium.title()))
+            }
+            Some(child) if unused.name.is_empty() => Cause::UnexpectedChild {
                 owner,
-                child: format!("a nested {}", objects[index].title()),
+                child: format!("a nested {}", child.title()),
                 known,
             },
             _ => Cause::UnknownParameter {
@@ -322,7 +349,7 @@ impl Object {
                 found: unused.name.clone(),
                 known,
             },
-        }))
+        })
     }
 
     fn given_boolean(&self, name: &str) -> Given<'_, bool> {

@@ -8,6 +8,15 @@ use glam::{DMat4, DVec3};
 use crate::mitsuba::error::{Cause, LoadError, Located};
 use crate::mitsuba::source::Place;
 
+/// Values by wavelength.
+#[derive(Clone, Debug)]
+pub enum Spectrum {
+    /// One value for all wavelengths.
+    Uniform(f64),
+    /// Wavelengths in nanometres, increasing, and values; two or more.
+    Samples(Vec<[f64; 2]>),
+}
+
 /// The value of a parameter.
 #[derive(Clone, Debug)]
 pub enum Value {
@@ -21,8 +30,8 @@ pub enum Value {
     Text(String),
     /// `<rgb>`.
     Rgb(DVec3),
-    /// `<spectrum>` with one value for all wavelengths.
-    Spectrum(f64),
+    /// `<spectrum>`.
+    Spectrum(Spectrum),
     /// `<point>` or `<vector>`.
     Vector(DVec3),
     /// `<transform>`.

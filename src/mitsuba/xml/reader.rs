@@ -1,22 +1,24 @@
 //! Reads the elements of scene files, with includes and substitution, into a list of objects.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
+use super::animation::animation;
 use super::attributes::Attributes;
 use super::document::{self, File};
 use super::element::{Directive, Element};
 use super::ids::Ids;
 use super::nesting::MAX_DEPTH;
 use super::object::{Object, Tag};
+use super::parameter::Parse;
 use super::property::Value;
 use super::search_path::{SearchPath, folder_of};
 use super::substitution::Substitution;
 use super::transform::transform;
-use super::{upgrade, value};
-use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
+use super::within::Within;
+use super::{lenient, spectrum, upgrade, value};
+use crate::mitsuba::error::{Cause, Faults, LoadError, Located, Warning};
 use crate::mitsuba::source::Place;
 
 /// Maximum number of included files. Without a limit, files that each include the next one twice
@@ -35,6 +37,8 @@ pub struct Reader {
     pub search_path: SearchPath,
     /// Suspicious parts of the files.
     pub warnings: Vec<Warning>,
+    /// Faults in elements, which do not end the reading of the others.
+    faults: Faults,
     /// The files being read, each included by the one before it.
     including: Vec<PathBuf>,
     /// Number of files included so far.
@@ -69,6 +73,7 @@ impl Reader {
             ids: Ids::default(),
             search_path: SearchPath::new(path),
             warnings: Vec::new(),
+            faults: Faults::default(),
             including: Vec::new(),
             includes: 0,
         }
@@ -76,7 +81,8 @@ impl Reader {
 
     /// Reads the scene file at `path` and the files it includes.
     pub fn scene(&mut self, path: &Path) -> Result<(), LoadError> {
-        self.file(path, None)
+        self.file(path, None)?;
+        std::mem::take(&mut self.faults).or(())
     }
 
     /// Reads a file: the scene file if `into` is `None`, otherwise an included one.
@@ -89,8 +95,9 @@ impl Reader {
         if self.including.contains(&canonical) {
             return Err(fail(Cause::IncludeCycle(path.to_owned())));
         }
-        let source = document::read(path, fail)?;
-        let document = document::parse(&source)?;
+        let source = document::read(path, fail, &mut self.warnings)?;
+        let xml = lenient::as_xml(source.text());
+        let document = document::parse(&source, &xml)?;
         let root = document.root_element();
         let file = File::new(root, &source)?;
         self.including.push(canonical);
@@ -125,7 +132,8 @@ impl Reader {
         }
         for child in node.children() {
             if child.is_element() {
-                self.element(child, context)?;
+                let read = self.element(child, context);
+                self.faults.check(read);
             } else if child.is_text() && !child.text().unwrap_or("").trim().is_empty() {
                 let place = Place::new(&file.source, child.range());
                 let warning = place.warning("text between elements is ignored");
@@ -139,20 +147,54 @@ impl Reader {
         let Context { file, parent, .. } = context;
         match Element::named(node.tag_name().name()) {
             Some(Element::Object(tag)) => self.object(node, tag, String::new(), context),
-            Some(Element::Parameter(parse)) => {
-                let mut attributes = Attributes::new(node, file, &mut self.variables)?;
-                let name = attributes.text("name")?.0;
-                let value = parse(&mut attributes)?;
-                self.add(&name, value, attributes.place(), context)?;
-                file.no_elements_in(node)?;
-                attributes.finish()
+            Some(Element::Parameter(_))
+                if node.has_tag_name("spectrum") && node.has_attribute("type") =>
+            {
+                self.typed_spectrum(node, context)
             }
+            Some(Element::Parameter(parse)) => self.parameter(node, parse, context),
             Some(Element::Directive(directive)) => self.directive(directive, node, context),
             None => {
                 let parent = self.objects[parent].tag.name();
                 Err(file.unknown_element(node, parent, Element::names()))
             }
         }
+    }
+
+    fn parameter(&mut self, node: Node, parse: Parse, context: Context) -> Result<(), LoadError> {
+        let file = context.file;
+        let mut attributes = Attributes::new(node, file, &mut self.variables)?;
+        let name = attributes.text("name")?.0;
+        let within = Within {
+            file,
+            search_path: &self.search_path,
+        };
+        let value = parse(&mut attributes, &within)?;
+        self.add(&name, value, attributes.place(), context)?;
+        file.no_elements_in(node)?;
+        attributes.finish()
+    }
+
+    /// A `<spectrum>` with a type and parameters of its own, which become a value of the enclosing object.
+    fn typed_spectrum(&mut self, node: Node, context: Context) -> Result<(), LoadError> {
+        let mut attributes = Attributes::new(node, context.file, &mut self.variables)?;
+        let name = attributes.text("name")?.0;
+        let plugin = attributes.text("type")?.0;
+        let place = attributes.place().clone();
+        attributes.finish()?;
+        let index = self.objects.len();
+        let object = Object::new(Tag::Texture, plugin, None, place.clone());
+        self.objects.push(object);
+        let within = Context {
+            parent: index,
+            depth: context.depth + 1,
+            ..context
+        };
+        self.contents(node, within)?;
+        let object = &self.objects[index];
+        let value = spectrum::of_object(object)?;
+        object.finish(&self.objects)?;
+        self.add(&name, value, &place, context)
     }
 
     fn directive(
@@ -166,6 +208,12 @@ impl Reader {
         let mut inclusion = None;
         match directive {
             Directive::Alias => self.alias(&mut attributes)?,
+            Directive::Animation => {
+                let name = attributes.text("name")?.0;
+                let matrix = animation(node, file, &mut self.variables, &mut self.warnings)?;
+                let value = Value::Transform(matrix);
+                self.add(&name, value, attributes.place(), context)?;
+            }
             Directive::Default => self.default(&mut attributes)?,
             Directive::Include => {
                 let (filename, place) = attributes.text("filename")?;
@@ -190,7 +238,7 @@ impl Reader {
                 self.add(&name, value, attributes.place(), context)?;
             }
         }
-        if !matches!(directive, Directive::Transform) {
+        if !matches!(directive, Directive::Transform | Directive::Animation) {
             file.no_elements_in(node)?;
         }
         attributes.finish()?;
@@ -210,7 +258,8 @@ impl Reader {
         context: Context,
     ) -> Result<(), LoadError> {
         let mut attributes = Attributes::new(node, context.file, &mut self.variables)?;
-        let plugin = attributes.text("type")?.0;
+        // Old files write types such as `Sphere`, whose plugins are files on systems that ignore case.
+        let plugin = attributes.text("type")?.0.to_ascii_lowercase();
         let id = attributes.text_optional("id");
         let id = id.filter(|(id, _)| !id.is_empty());
         let own_name = attributes.text_or_empty("name");
@@ -224,7 +273,7 @@ impl Reader {
         let index = self.objects.len();
         self.add(&name, Value::Object(index), &place, context)?;
         if let Some((id, at)) = &id {
-            self.ids.claim(id, index, &self.objects, at)?;
+            self.ids.claim(id, index, at);
         }
         let id = id.map(|(id, _)| id);
         self.objects.push(Object::new(tag, plugin, id, place));
@@ -269,8 +318,10 @@ impl Reader {
     fn alias(&mut self, attributes: &mut Attributes) -> Result<(), LoadError> {
         let (id, place) = attributes.text("id")?;
         let (alias, alias_place) = attributes.text("as")?;
-        let index = self.ids.object(&id).map_err(|cause| place.error(cause))?;
-        self.ids.claim(&alias, index, &self.objects, &alias_place)
+        let index = self.ids.object(&id, &self.objects);
+        let index = index.map_err(|cause| place.error(cause))?;
+        self.ids.claim(&alias, index, &alias_place);
+        Ok(())
     }
 
     fn search_path(&mut self, attributes: &mut Attributes, parent: usize) -> Result<(), LoadError> {
@@ -279,11 +330,13 @@ impl Reader {
             return Err(attributes.conflict("<path> is allowed only directly in <scene>"));
         }
         let path = folder_of(&place).join(value);
-        if !path.is_dir() {
-            let error = io::Error::new(io::ErrorKind::NotFound, "no such folder");
-            return Err(place.error(Cause::Unreadable { path, error }));
+        if path.is_dir() {
+            self.search_path.add(path);
+        } else {
+            // Files may be found without it.
+            let text = format!("no folder {}: the path is ignored", path.display());
+            self.warnings.push(place.warning(text));
         }
-        self.search_path.add(path);
         Ok(())
     }
 

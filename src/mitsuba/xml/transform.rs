@@ -78,19 +78,27 @@ fn xyz(attributes: &mut Attributes, default: f64) -> Result<DVec3, LoadError> {
     Ok(result)
 }
 
+/// Rodrigues' formula with the axis as it is given. As in Mitsuba 3, a transform about an axis that is not a
+/// unit vector is no rotation: a published scene looks right only so.
 fn rotate(attributes: &mut Attributes, warnings: &mut Vec<Warning>) -> Result<DMat4, LoadError> {
     let degrees: f64 = attributes.parse("angle", value::float)?;
     let axis = xyz(attributes, 0.0)?;
-    if axis != DVec3::ZERO && (axis.length() - 1.0).abs() > MAX_LENGTH_ERROR {
+    if axis == DVec3::ZERO {
+        return Err(attributes.error(Cause::zero_vector("axis")));
+    }
+    if (axis.length() - 1.0).abs() > MAX_LENGTH_ERROR {
         warnings.push(attributes.warning(
-            "the axis is not of unit length: this rotates about its direction, while Mitsuba 3 \
-             also scales",
+            "the axis is not of unit length: as in Mitsuba 3, this transform also scales; in Mitsuba 0.x \
+             it only rotates",
         ));
     }
-    let axis = axis
-        .try_normalize()
-        .ok_or_else(|| attributes.error(Cause::zero_vector("axis")))?;
-    Ok(DMat4::from_axis_angle(axis, degrees.to_radians()))
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos));
+    Ok(DMat4::from_mat3(DMat3::from_cols(
+        column(DVec3::X),
+        column(DVec3::Y),
+        column(DVec3::Z),
+    )))
 }
 
 /// 16 numbers in row-major order, or 9 for a linear map.

@@ -28,7 +28,8 @@ impl Tree {
             place: None,
             text: format!("-D {name}: no file of the scene uses ${name}"),
         });
-        let warnings = unused.chain(reader.warnings).collect();
+        let warnings = unused.chain(reader.warnings);
+        let warnings = warnings.chain(reader.ids.duplicates()).collect();
         reader.ids.resolve_references(&mut reader.objects)?;
         check_nesting(&reader.objects)?;
         Ok(Self {

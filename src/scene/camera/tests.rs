@@ -1,8 +1,8 @@
-use glam::{DMat4, DVec3, Vec2, Vec3A};
+use glam::{DMat4, DVec2, DVec3, Vec2, Vec3A};
 use proptest::prelude::*;
 
 use super::Camera;
-use crate::scene::{CameraDescription, SceneError, ThinLens};
+use crate::scene::{CameraDescription, Projection, SceneError, ThinLens};
 
 /// Mitsuba's `look_at`: the view is along +z, +x points left.
 fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> DMat4 {
@@ -24,10 +24,10 @@ fn description(lens: Option<ThinLens>) -> CameraDescription {
             DVec3::new(4.0, 1.0, -2.0),
             DVec3::new(0.1, 1.0, 0.2),
         ),
-        fov_x: 50.0,
+        projection: Projection::Perspective { fov_x: 50.0, lens },
+        principal_point_offset: DVec2::ZERO,
         near_clip: 0.5,
         far_clip: 100.0,
-        lens,
     }
 }
 
@@ -147,7 +147,7 @@ proptest! {
         t in 0.001f32..0.9, thin in any::<bool>(),
     ) {
         let camera = camera(thin.then_some(LENS));
-        prop_assert_eq!(camera.is_pinhole(), !thin);
+        prop_assert_eq!(camera.has_lens(), thin);
         let (film, aperture) = (Vec2::new(x, y), Vec2::new(a, b));
         let (ray, lens_point) = camera.ray(film, aperture);
         let point = ray.origin + ray.direction * (t * ray.t_max);
@@ -214,6 +214,96 @@ fn points_out_of_view_are_not_connected() {
             inside,
             "{film}"
         );
+    }
+}
+
+/// Film position, origin, direction and extent of rays.
+type Row = ([f32; 2], [f64; 3], [f32; 3], f64);
+
+const SHIFTED: [Row; 3] = [
+    (
+        [0.5, 0.5],
+        [1.329446, 1.972741, 2.611511],
+        [0.645847, -0.053439, -0.761594],
+        101.50972,
+    ),
+    (
+        [0.1, 0.2],
+        [1.197427, 2.092576, 2.508333],
+        [0.367065, 0.172121, -0.914132],
+        107.03242,
+    ),
+    (
+        [0.9, 0.7],
+        [1.468746, 1.881098, 2.713420],
+        [0.833877, -0.211521, -0.509812],
+        111.86362,
+    ),
+];
+
+const PARALLEL: [Row; 3] = [
+    (
+        [0.5, 0.5],
+        [1.253546, 1.915485, 2.577423],
+        [0.507093, -0.169031, -0.845154],
+        99.50000,
+    ),
+    (
+        [0.1, 0.2],
+        [-0.538835, 3.094660, 1.266159],
+        [0.507093, -0.169031, -0.845154],
+        99.50000,
+    ),
+    (
+        [0.9, 0.7],
+        [3.108381, 0.978137, 3.877793],
+        [0.507093, -0.169031, -0.845154],
+        99.50000,
+    ),
+];
+
+/// Values of Mitsuba 3.9.1, as above, for `perspective` with principal_point_offset_x 0.15 and
+/// principal_point_offset_y -0.25, and for `orthographic` with near_clip 0.5, far_clip 100 and
+/// T().look_at(...) @ T().scale([3, 2, 1]).
+#[test]
+fn shifted_and_orthographic_cameras_agree_with_mitsuba() {
+    let shifted = CameraDescription {
+        principal_point_offset: DVec2::new(0.15, -0.25),
+        ..description(None)
+    };
+    let orthographic = CameraDescription {
+        projection: Projection::Orthographic {
+            half_extent: DVec2::new(3.0, 2.0 / 1.6),
+        },
+        ..description(None)
+    };
+    for (description, rows) in [(shifted, SHIFTED), (orthographic, PARALLEL)] {
+        let camera = Camera::new(&description, 1.6, CENTER, UNIT).expect("a camera");
+        for (film, origin, direction, extent) in rows {
+            let film = Vec2::from(film);
+            let (ray, from) = camera.ray(film, Vec2::ZERO);
+            let world = ray.origin.as_dvec3() * UNIT + CENTER;
+            assert!(
+                world.distance(DVec3::from(origin)) < 2e-5,
+                "{film}: {world}"
+            );
+            let expected = Vec3A::from(direction);
+            assert!(
+                (ray.direction - expected).length() < 2e-6,
+                "{film}: {}",
+                ray.direction
+            );
+            let length = f64::from(ray.t_max) * UNIT;
+            assert!((length / extent - 1.0).abs() < 1e-5, "{film}: {length}");
+            // A point on the ray is seen where the ray came from, with its density.
+            let point = ray.origin + ray.direction * 700.0;
+            let seen = camera.connect(point, Vec2::ZERO).expect("a film position");
+            assert!((seen.film - film).length() < 1e-5, "{film}: {}", seen.film);
+            assert!((seen.direction + ray.direction).length() < 1e-5);
+            let squared = camera.squared_distance(from, point);
+            let density = camera.direction_pdf(ray.direction) / squared;
+            assert!((seen.density / density - 1.0).abs() < 1e-4, "{film}");
+        }
     }
 }
 

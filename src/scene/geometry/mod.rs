@@ -13,6 +13,7 @@ pub use derivative::NormalDerivative;
 pub use ray_counts::RayCounts;
 
 pub(super) use builder::GeometryBuilder;
+pub(super) use shape::spherical_uv;
 pub(super) use surface::{ShapeSurface, SurfaceTriangle};
 
 use glam::{DVec3, Vec3A};
@@ -38,6 +39,45 @@ impl Geometry {
     pub fn intersect(&self, ray: &Ray, counts: &mut RayCounts) -> Option<SurfacePoint> {
         counts.closest_hit += 1;
         self.nearest_point(ray)
+    }
+
+    /// The nearest point where `ray` hits a surface of a shape that is not `passed`.
+    pub fn intersect_past(
+        &self,
+        ray: &Ray,
+        passed: impl Fn(u32) -> bool,
+        counts: &mut RayCounts,
+    ) -> Option<SurfacePoint> {
+        let mut ray = *ray;
+        loop {
+            let point = self.intersect(&ray, counts)?;
+            if !passed(point.shape) {
+                return Some(point);
+            }
+            let origin = point.ray_origin(ray.direction);
+            ray.t_max -= (origin - ray.origin).dot(ray.direction);
+            ray.origin = origin;
+            if ray.t_max <= 0.0 {
+                return None;
+            }
+        }
+    }
+
+    /// As [`Self::visible`], where shapes that are `passed` hide nothing.
+    pub fn visible_past(
+        &self,
+        from: Vec3A,
+        to: Vec3A,
+        passed: impl Fn(u32) -> bool,
+        counts: &mut RayCounts,
+    ) -> bool {
+        let distance = (to - from).length();
+        let ray = Ray {
+            origin: from,
+            direction: (to - from) / distance,
+            t_max: distance * SHADOW_EPSILON.0 - SHADOW_EPSILON.1,
+        };
+        ray.t_max <= 0.0 || self.intersect_past(&ray, passed, counts).is_none()
     }
 
     fn nearest_point(&self, ray: &Ray) -> Option<SurfacePoint> {
@@ -81,6 +121,7 @@ impl Geometry {
                         list.push(SurfaceTriangle {
                             corners: triangle.corners,
                             normal: self.shapes[shape].triangle_normal(&triangle),
+                            uvs: self.shapes[shape].triangle_uvs(&triangle),
                             primitive: index,
                         });
                     }
@@ -90,6 +131,7 @@ impl Geometry {
                         center: sphere.center.into(),
                         radius: sphere.radius,
                         inward: self.shapes[sphere.shape as usize].flip,
+                        to_local: self.shapes[sphere.shape as usize].sphere_axes(),
                     }
                 }
                 Primitive::Triangle(_) | Primitive::Sphere(_) => {}

@@ -106,6 +106,23 @@ impl Shape {
         }
     }
 
+    /// Texture coordinates of the corners of a triangle.
+    pub fn triangle_uvs(&self, triangle: &Triangle) -> [Vec2; 3] {
+        let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        corners.map(|corner| match &self.attributes {
+            Attributes::Mesh(mesh) => mesh.uv(triangle.vertices, corner),
+            Attributes::Sphere(_) => Vec2::ZERO,
+        })
+    }
+
+    /// The rotation from scene axes to those of a sphere.
+    pub fn sphere_axes(&self) -> Mat3A {
+        match &self.attributes {
+            Attributes::Sphere(to_local) => *to_local,
+            Attributes::Mesh(_) => Mat3A::IDENTITY,
+        }
+    }
+
     /// The point with barycentric coordinates `b1` and `b2` on a triangle of this shape; `primitive` is
     /// the index of the triangle.
     #[inline]
@@ -232,10 +249,7 @@ impl Shape {
         let center = DVec3::from_array(center.map(f64::from));
         let outward = (near - center).normalize_or(DVec3::Z);
         let normal = outward.as_vec3a();
-        let local = match &self.attributes {
-            Attributes::Sphere(to_local) => *to_local * normal,
-            Attributes::Mesh(_) => normal,
-        };
+        let local = self.sphere_axes() * normal;
         let front = if self.flip { -normal } else { normal };
         SurfacePoint {
             position: (center + outward * f64::from(radius)).as_vec3a(),
@@ -269,7 +283,7 @@ pub fn cross(corners: &Corners) -> DVec3 {
 /// Mitsuba's texture coordinates of spheres, (phi / 2 pi, theta / pi) of a unit vector: theta is measured
 /// from +z, phi from +x.
 #[inline]
-fn spherical_uv(v: Vec3A) -> Vec2 {
+pub fn spherical_uv(v: Vec3A) -> Vec2 {
     use std::f32::consts::{FRAC_1_PI, TAU};
     let phi = v.y.atan2(v.x);
     let theta = v.x.hypot(v.y).atan2(v.z);

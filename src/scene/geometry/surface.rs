@@ -1,6 +1,6 @@
 //! The surface of a shape as emitters need it: its primitives in scene units.
 
-use glam::Vec3A;
+use glam::{Mat3A, Vec2, Vec3A};
 
 use super::shape::cross;
 use crate::bvh::Corners;
@@ -15,6 +15,8 @@ pub(in crate::scene) enum ShapeSurface {
         radius: f32,
         /// The front side is inside.
         inward: bool,
+        /// From scene axes to its own, for texture coordinates.
+        to_local: Mat3A,
     },
 }
 
@@ -24,6 +26,8 @@ pub(in crate::scene) struct SurfaceTriangle {
     pub(in crate::scene) corners: Corners,
     /// Unit, on the front side.
     pub(in crate::scene) normal: Vec3A,
+    /// Texture coordinates of the corners.
+    pub(in crate::scene) uvs: [Vec2; 3],
     /// Index of the primitive, as in `SurfacePoint`.
     pub(in crate::scene) primitive: u32,
 }

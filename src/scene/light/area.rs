@@ -12,15 +12,15 @@ use super::specular::{Cap, ChainEnd, on_surface};
 use super::sphere::SphereSurface;
 use crate::math::{Frame, Rgb};
 use crate::sampling::warp::{square_to_cosine_hemisphere, square_to_sphere};
-use crate::scene::SurfacePoint;
 use crate::scene::geometry::{ShapeSurface, SurfaceTriangle};
 use crate::scene::interaction::offset;
+use crate::scene::{SurfacePoint, Texture};
 
-/// A surface that emits the same radiance everywhere.
+/// A surface that emits.
 #[derive(Debug)]
 pub struct AreaEmitter {
     /// W/(m^2 sr) on the front side.
-    radiance: Rgb,
+    radiance: Texture,
     /// In scene units squared.
     area: f64,
     surface: Surface,
@@ -43,7 +43,7 @@ struct Segment {
 
 impl AreaEmitter {
     /// An emitter with this surface; `None` if it has no area.
-    pub fn new(radiance: Rgb, surface: ShapeSurface) -> Option<Self> {
+    pub fn new(radiance: Texture, surface: ShapeSurface) -> Option<Self> {
         let (surface, area) = match surface {
             ShapeSurface::Triangles(triangles) => {
                 let area = triangles.iter().map(SurfaceTriangle::area).sum();
@@ -53,11 +53,13 @@ impl AreaEmitter {
                 center,
                 radius,
                 inward,
+                to_local,
             } => {
                 let sphere = SphereSurface {
                     center,
                     radius,
                     inward,
+                    to_local,
                 };
                 let area = sphere.area();
                 (Surface::Sphere(sphere), area)
@@ -70,9 +72,22 @@ impl AreaEmitter {
         })
     }
 
-    /// Flux: pi A L.
+    /// Flux: pi A L. That of a texture takes the mean of its image, not that over the surface: the choice
+    /// between emitters need not be exact.
     pub fn power(&self) -> Rgb {
-        self.radiance * (PI * self.area as f32)
+        self.radiance.mean() * (PI * self.area as f32)
+    }
+
+    /// True if chains end here: the light is the same everywhere.
+    pub fn ends_chains(&self) -> bool {
+        matches!(self.radiance, Texture::Constant(_))
+    }
+
+    /// Samples a point on the surface by area; and its radiance.
+    #[inline]
+    pub fn sample_light(&self, u_primitive: f32, u_position: Vec2) -> (SurfaceSample, Rgb) {
+        let sample = self.sample_surface(u_primitive, u_position);
+        (sample, self.radiance.evaluate(sample.uv))
     }
 
     /// Samples a point on the surface by area.
@@ -81,12 +96,7 @@ impl AreaEmitter {
         match &self.surface {
             Surface::Mesh(mesh) => mesh.sample(u_primitive, u_position),
             Surface::Sphere(sphere) => {
-                let (position, normal) = sphere.at(square_to_sphere(u_position));
-                SurfaceSample {
-                    position,
-                    normal,
-                    pdf: self.uniform_pdf(),
-                }
+                sphere.sample(square_to_sphere(u_position), self.uniform_pdf())
             }
         }
     }
@@ -150,7 +160,7 @@ impl AreaEmitter {
             distance_squared,
         };
         let emission = LightEvaluation {
-            radiance: self.radiance,
+            radiance: self.radiance.evaluate(y0.uv),
             pdf_direct: self.direct_pdf(point, &segment, y0.pdf, choice_pdf),
             pdf_position: y0.pdf,
             pdf_direction: cos * FRAC_1_PI,
@@ -170,12 +180,7 @@ impl AreaEmitter {
         let mut y0 = match &self.surface {
             Surface::Sphere(sphere) if !sphere.inward => {
                 let cone = sphere.cone(point)?;
-                let (position, normal) = sphere.at(cone.sample_normal(u_position));
-                SurfaceSample {
-                    position,
-                    normal,
-                    pdf: self.uniform_pdf(),
-                }
+                sphere.sample(cone.sample_normal(u_position), self.uniform_pdf())
             }
             Surface::Mesh(_) | Surface::Sphere(_) => self.sample_surface(u_primitive, u_position),
         };
@@ -248,7 +253,7 @@ impl AreaEmitter {
     ) -> ChainEnd {
         ChainEnd {
             end: on_surface(position, normal),
-            radiance: self.radiance,
+            radiance: self.radiance.mean(),
             pdf: f64::from(pdfs[0]) * own,
             pdf_position: f64::from(pdfs[1]) * of_subpaths,
             delta: false,
@@ -265,11 +270,13 @@ impl AreaEmitter {
         u_direction: Vec2,
         choice_pdf: f32,
     ) -> EmissionSample {
+        let (sample, radiance) = self.sample_light(u_primitive, u_position);
         let SurfaceSample {
             position,
             normal,
             pdf,
-        } = self.sample_surface(u_primitive, u_position);
+            ..
+        } = sample;
         let pdf_position = choice_pdf * pdf;
         let local = square_to_cosine_hemisphere(u_direction);
         let direction = Frame::from_normal(normal).to_world(local);
@@ -280,7 +287,7 @@ impl AreaEmitter {
             normal,
             direction,
             // Le cos / (pdf_position * cos/pi): the cosine cancels.
-            weight: self.radiance * (PI / pdf_position),
+            weight: radiance * (PI / pdf_position),
             pdf_position,
             pdf_direction: local.z * FRAC_1_PI,
             infinite: false,
@@ -299,6 +306,8 @@ impl AreaEmitter {
         let y0 = SurfaceSample {
             position: sample.position,
             normal: sample.normal,
+            // Only densities are asked for.
+            uv: Vec2::ZERO,
             pdf: sample.pdf_position,
         };
         self.light_toward(&y0, point, choice_pdf)
@@ -316,6 +325,7 @@ impl AreaEmitter {
         let y0 = SurfaceSample {
             position: surface.position,
             normal: surface.geometric_normal,
+            uv: surface.uv,
             pdf: choice_pdf * self.surface_pdf(surface.primitive),
         };
         let (emission, _) = self.light_toward(&y0, from, choice_pdf)?;

@@ -6,7 +6,8 @@ use super::area::AreaEmitter;
 use super::directional::DirectionalEmitter;
 use super::environment::Environment;
 use super::point::PointEmitter;
-use super::sample::{EmissionSample, LightEvaluation, LightSample};
+use super::profile::Profile;
+use super::sample::{EmissionSample, LightEvaluation, LightSample, SurfaceSample};
 use super::specular::ChainEnd;
 use crate::math::{Rgb, luminance};
 use crate::sampling::Distribution1D;
@@ -20,6 +21,10 @@ pub enum EmitterKind {
     Area,
     /// A point that emits in all directions.
     Point,
+    /// A point that emits into a cone.
+    Spot,
+    /// A point that emits into a rectangle.
+    Projector,
     /// Parallel light.
     Directional,
     /// The same radiance from all directions.
@@ -34,6 +39,8 @@ impl EmitterKind {
         match self {
             Self::Area => "area",
             Self::Point => "point",
+            Self::Spot => "spot",
+            Self::Projector => "projector",
             Self::Directional => "directional",
             Self::Constant => "constant",
             Self::Envmap => "envmap",
@@ -123,6 +130,11 @@ impl Emitters {
         })
     }
 
+    /// Flux of an emitter into the scene, with square scene units as the unit of area.
+    pub fn power(&self, emitter: u32) -> Rgb {
+        self.emitters[emitter as usize].power()
+    }
+
     /// Number of emitters.
     pub fn len(&self) -> usize {
         self.emitters.len()
@@ -137,7 +149,11 @@ impl Emitters {
     pub fn kind(&self, emitter: u32) -> EmitterKind {
         match &self.emitters[emitter as usize] {
             Emitter::Area { .. } => EmitterKind::Area,
-            Emitter::Point(_) => EmitterKind::Point,
+            Emitter::Point(light) => match light.profile {
+                Profile::Uniform => EmitterKind::Point,
+                Profile::Spot { .. } => EmitterKind::Spot,
+                Profile::Projector { .. } => EmitterKind::Projector,
+            },
             Emitter::Directional(_) => EmitterKind::Directional,
             Emitter::Environment(Environment::Constant(_)) => EmitterKind::Constant,
             Emitter::Environment(Environment::Map { .. }) => EmitterKind::Envmap,
@@ -185,6 +201,23 @@ impl Emitters {
             Emitter::Directional(light) => Some(light.sample_direct(point, choice_pdf)),
             Emitter::Environment(light) => light.sample_direct(point, u_position, choice_pdf),
         }
+    }
+
+    /// Samples a point of an area emitter by area, its density including the choice of the emitter; and its
+    /// radiance. `None` if the choice falls on another kind.
+    pub fn sample_surface(
+        &self,
+        u_light: f32,
+        u_primitive: f32,
+        u_position: Vec2,
+    ) -> Option<(SurfaceSample, Rgb)> {
+        let (i, _) = self.choice.sample(u_light);
+        let Emitter::Area { light, .. } = &self.emitters[i] else {
+            return None;
+        };
+        let (mut sample, radiance) = light.sample_light(u_primitive, u_position);
+        sample.pdf *= self.choice.probability(i);
+        Some((sample, radiance))
     }
 
     /// Samples the start of a light subpath. `u_light` chooses the emitter, `u_primitive` the
@@ -335,10 +368,13 @@ impl Emitters {
 
 impl Emitter {
     /// True if next event estimation through specular chains samples it. Every direction of a constant
-    /// environment emits: camera subpaths hit it anyway.
+    /// environment emits: camera subpaths hit it anyway. Light that varies over an emitter, or with the
+    /// direction in which a chain leaves it, is left to the other techniques.
     fn ends_chains(&self) -> bool {
         match self {
-            Self::Area { .. } | Self::Point(_) | Self::Directional(_) => true,
+            Self::Area { light, .. } => light.ends_chains(),
+            Self::Point(light) => light.ends_chains(),
+            Self::Directional(_) => true,
             Self::Environment(Environment::Map { .. }) => true,
             Self::Environment(Environment::Constant(_)) => false,
         }

@@ -52,9 +52,11 @@ impl MeshSurface {
         let triangle = &self.triangles[i];
         let b = square_to_triangle(u);
         let [p0, p1, p2] = triangle.corners.map(Vec3A::from_array);
+        let [uv0, uv1, uv2] = triangle.uvs;
         SurfaceSample {
             position: p0 + (p1 - p0) * b.x + (p2 - p0) * b.y,
             normal: triangle.normal,
+            uv: uv0 + (uv1 - uv0) * b.x + (uv2 - uv0) * b.y,
             pdf: self.densities[i],
         }
     }

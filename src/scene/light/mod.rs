@@ -14,6 +14,7 @@ mod environment_map;
 mod infinite;
 mod mesh;
 mod point;
+mod profile;
 mod sample;
 mod specular;
 mod sphere;
@@ -22,7 +23,7 @@ mod sphere;
 mod tests;
 
 pub use emitters::{EmitterKind, Emitters};
-pub use sample::{EmissionSample, LightEvaluation, LightSample};
+pub use sample::{EmissionSample, LightEvaluation, LightSample, SurfaceSample};
 pub use specular::ChainEnd;
 
 pub(super) use area::AreaEmitter;
@@ -31,3 +32,4 @@ pub(super) use emitters::Emitter;
 pub(super) use environment::Environment;
 pub(super) use environment_map::EnvironmentMap;
 pub(super) use point::PointEmitter;
+pub(super) use profile::Profile;

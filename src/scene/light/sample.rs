@@ -1,6 +1,6 @@
 //! Light toward a point, and samples of it.
 
-use glam::Vec3A;
+use glam::{Vec2, Vec3A};
 
 use crate::math::Rgb;
 
@@ -79,6 +79,8 @@ pub struct SurfaceSample {
     pub position: Vec3A,
     /// Unit, on the front side.
     pub normal: Vec3A,
+    /// Texture coordinates.
+    pub uv: Vec2,
     /// Density per unit area.
     pub pdf: f32,
 }

@@ -1,8 +1,10 @@
 //! Spheres as the surfaces of emitters, and the cones that they subtend.
 
-use glam::{Vec2, Vec3A};
+use glam::{Mat3A, Vec2, Vec3A};
 
+use super::sample::SurfaceSample;
 use crate::math::Frame;
+use crate::scene::geometry::spherical_uv;
 
 /// The surface of a sphere.
 #[derive(Debug)]
@@ -11,6 +13,8 @@ pub struct SphereSurface {
     pub radius: f32,
     /// Whether the front side is inside.
     pub inward: bool,
+    /// From scene axes to its own, for texture coordinates.
+    pub to_local: Mat3A,
 }
 
 impl SphereSurface {
@@ -24,6 +28,18 @@ impl SphereSurface {
     pub fn at(&self, outward: Vec3A) -> (Vec3A, Vec3A) {
         let normal = if self.inward { -outward } else { outward };
         (self.center + outward * self.radius, normal)
+    }
+
+    /// The point in the unit direction `outward` from the centre, sampled with the density `pdf` per area.
+    #[inline]
+    pub fn sample(&self, outward: Vec3A, pdf: f32) -> SurfaceSample {
+        let (position, normal) = self.at(outward);
+        SurfaceSample {
+            position,
+            normal,
+            uv: spherical_uv(self.to_local * outward),
+            pdf,
+        }
     }
 
     /// The cone that the sphere subtends at `point`; `None` from inside.

@@ -35,14 +35,11 @@ fn mesh_file(mesh: tobj::Mesh, flip_v: bool) -> Result<MeshFile, MeshError> {
     if total as u64 > MAX_COUNT {
         return Err(MeshError::nowhere(format!("{total} vertices are too many")));
     }
-    let without_normal = normals.iter().filter(|[x, ..]| x.is_nan()).count();
-    if without_normal == total {
+    if normals.iter().all(|[x, ..]| x.is_nan()) {
         normals.clear();
-    } else if without_normal != 0 {
-        return Err(MeshError::nowhere(format!(
-            "{without_normal} of {total} vertices have no normal, but the others have one; give \
-             normals to all or none, or set `face_normals`"
-        )));
+    }
+    for normal in normals.iter_mut().filter(|[x, ..]| x.is_nan()) {
+        *normal = [0.0; 3];
     }
     let without_uv = uvs.iter().filter(|[u, _]| u.is_nan()).count();
     if without_uv == total {
@@ -55,15 +52,17 @@ fn mesh_file(mesh: tobj::Mesh, flip_v: bool) -> Result<MeshFile, MeshError> {
             given => given,
         };
     }
-    let mesh = TriangleMesh {
+    let mut mesh = TriangleMesh {
         positions,
         normals,
         uvs,
         triangles: mesh.indices.as_chunks().0.to_vec(),
     };
-    check(&mesh)?;
-    let note = (!mesh.uvs.is_empty() && without_uv != 0).then(|| {
+    let without_normals = check(&mut mesh)?;
+    let without_uvs = (!mesh.uvs.is_empty() && without_uv != 0).then(|| {
         format!("{without_uv} of {total} vertices have no texture coordinates; (0, 0) is used")
     });
-    Ok(MeshFile { mesh, note })
+    let notes = [without_normals, without_uvs];
+    let notes = notes.into_iter().flatten().collect();
+    Ok(MeshFile { mesh, notes })
 }

@@ -36,8 +36,8 @@ pub fn read(bytes: &[u8], flip_v: bool, with_normals: bool) -> Result<MeshFile, 
             uv[1] = 1.0 - uv[1];
         }
     }
-    check(&mesh)?;
-    Ok(MeshFile { mesh, note: None })
+    let notes = check(&mut mesh)?.into_iter().collect();
+    Ok(MeshFile { mesh, notes })
 }
 
 fn vertices(

@@ -112,6 +112,58 @@ fn rays_through_spheres_and_boxes_hit_the_far_side() {
     }
 }
 
+/// Two planes and two spheres, one closely behind the other, at 1e-6 of the scene: a ray that passes the first
+/// hits the second.
+#[test]
+fn surfaces_that_nearly_touch_are_not_passed_over() {
+    const GAP: f64 = 1e-6;
+    let plane = |z| {
+        let place = DMat4::from_translation(DVec3::new(0.0, 0.0, z)) * DMat4::from_rotation_z(0.3);
+        mesh(TriangleMesh::rectangle(), place)
+    };
+    let marker = || sphere(DVec3::new(3.0, 0.0, 1.0), 0.1);
+    let radius = {
+        let scene = scene(vec![plane(-1.0), marker()], vec![]);
+        scene.unit * f64::from(SCENE_RADIUS)
+    };
+    for (name, shapes, gap) in [
+        (
+            "planes",
+            vec![plane(-1.0), plane(-1.0 - GAP * radius), marker()],
+            GAP,
+        ),
+        (
+            "spheres",
+            vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::ZERO, 1.0 - GAP)],
+            GAP,
+        ),
+    ] {
+        let scene = scene(shapes, vec![]);
+        let mut numbers = Numbers::new(41);
+        let (mut passed, mut points) = (0, 0);
+        for _ in 0..50_000 {
+            let origin = Vec3A::Z * (1.5 * SCENE_RADIUS) + numbers.cube() * (0.2 * SCENE_RADIUS);
+            let toward = (numbers.cube() * (0.2 * SCENE_RADIUS) - origin).normalize();
+            let first = cast(&scene.geometry, origin, toward);
+            let Some(first) = first.filter(|hit| hit.geometric_normal.dot(toward).abs() > 0.5)
+            else {
+                continue;
+            };
+            points += 1;
+            let second = cast(&scene.geometry, first.ray_origin(toward), toward);
+            let is_near = second.is_some_and(|second| {
+                let distance = (second.position - first.position).length();
+                f64::from(distance) < 10.0 * gap * f64::from(SCENE_RADIUS)
+            });
+            passed += u32::from(!is_near);
+        }
+        assert!(
+            points > 5_000 && passed == 0,
+            "{name}: {passed} of {points}"
+        );
+    }
+}
+
 /// Inside a convex shape every point is visible from every other, also at grazing angles near corners and
 /// edges; from outside none is.
 #[test]

@@ -7,13 +7,14 @@ mod limits;
 mod mitsuba;
 mod slivers;
 
-use glam::{DMat4, DVec3, Vec3A};
+use glam::{Affine2, DMat4, DVec3, Vec3A};
 
 use crate::math::Rgb;
-use crate::scene::test_scenes::{Numbers, emitting, mesh, scene, shape, sphere};
+use crate::scene::test_scenes::{Numbers, description, emitting, mesh, scene, shape, sphere};
 use crate::scene::{
-    EmissionSample, EmitterDescription, LightEvaluation, LightSample, Ray, RayCounts, SCENE_RADIUS,
-    Scene, ShapeDescription, ShapeGeometry, TriangleMesh,
+    Bitmap, EmissionSample, EmitterDescription, Interpolation, LightEvaluation, LightSample,
+    Radiance, Ray, RayCounts, SCENE_RADIUS, Scene, ShapeDescription, ShapeGeometry, Texture,
+    TriangleMesh, Wrap,
 };
 
 const RADIANCE: Rgb = Rgb::new(2.0, 3.0, 0.5);
@@ -37,6 +38,25 @@ fn sphere_light(flip_normals: bool) -> ShapeDescription {
         ..sphere(DVec3::new(0.2, -0.1, 0.3), 0.7)
     };
     emitting(ball, RADIANCE)
+}
+
+/// A shape with a radiance that varies slowly over it, and a floor.
+fn pictured(lamp: ShapeDescription) -> Scene {
+    let pixels = vec![
+        [1.0, 0.2, 0.3],
+        [0.4, 0.9, 0.5],
+        [0.6, 0.7, 0.1],
+        [0.8, 0.3, 0.7],
+    ];
+    let (filter, wrap) = (Interpolation::Bilinear, Wrap::Mirror);
+    let bitmap = Bitmap::new(2, 2, pixels, filter, wrap, Affine2::IDENTITY).expect("a bitmap");
+    let lamp = ShapeDescription {
+        emission: Some(Radiance::Texture(1)),
+        ..lamp
+    };
+    let mut description = description(vec![lamp, floor()], vec![]);
+    description.textures.push(Texture::Bitmap(bitmap));
+    description.build().expect("a scene")
 }
 
 /// An environment map of few pixels, some of them black and one very bright.
@@ -85,6 +105,13 @@ fn extended_lights() -> Vec<(&'static str, Scene, DVec3)> {
         (
             "sphere from inside",
             scene(vec![sphere_light(true), floor()], vec![]),
+            DVec3::new(0.4, 0.2, 0.1),
+        ),
+        ("picture on a box", pictured(box_light()), place),
+        ("picture on a sphere", pictured(sphere_light(false)), place),
+        (
+            "picture in a sphere",
+            pictured(sphere_light(true)),
             DVec3::new(0.4, 0.2, 0.1),
         ),
         ("constant", scene(vec![floor()], vec![constant()]), place),

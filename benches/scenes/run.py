@@ -1,0 +1,163 @@
+"""Which scenes of a folder load, and how their images compare with those of Mitsuba 3.
+
+    cargo build --release
+    python3 benches/scenes/run.py FOLDER [--list LIST.txt] [--spp 64] [--size 64x48] [--only PART]
+
+Prints a Markdown table, a line for each scene: whether it loads or what it is refused for, the mean of the image
+over that of Mitsuba 3's, and the number of tiles of 8 x 8 pixels that differ. The scenes are the files in
+LIST.txt, or else all XML files below the folder whose root is a <scene>.
+
+Null hypothesis for each tile: the means over our renderings and over Mitsuba's are equal. Each program renders
+SEEDS times; a tile differs if |z| of the difference of its luminance exceeds the threshold of the Bonferroni
+correction over the tiles of an image at ALPHA, so that a correct image has a differing tile with probability
+ALPHA. Without the Python package `mitsuba` the last two columns are empty.
+"""
+
+import argparse
+import json
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "target/release/metrolight"
+SEEDS = 8
+ALPHA = 1e-3
+TILE = 8
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--list", type=Path, help="file with one path a line, relative to the folder")
+    parser.add_argument("--spp", type=int, default=64, help="samples per pixel of one rendering")
+    parser.add_argument("--size", default="64x48", help="size of the images")
+    parser.add_argument("--only", default="", help="only scenes whose path contains this")
+    parser.add_argument("-D", dest="defines", action="append", default=[], metavar="NAME=VALUE")
+    return parser.parse_args()
+
+
+def scenes(folder, listed):
+    if listed:
+        return listed.read_text(encoding="utf-8").split()
+    is_scene = re.compile(rb"^\s*(?:\xef\xbb\xbf)?(?:<[?!].*?>\s*)*<scene", re.DOTALL)
+    files = (path for path in folder.rglob("*.xml") if is_scene.match(path.read_bytes()[:4096]))
+    return sorted(str(path.relative_to(folder)) for path in files)
+
+
+def run(*words):
+    return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
+
+
+def refusals(path, defines):
+    """The reasons for which a scene is refused, without their places; none if it loads."""
+    finished = run("check", path, "--json", *defines)
+    report = json.loads(finished.stdout)
+    reasons = [re.sub(r"^\S+?:\d+:\d+: ", "", reason) for reason in report.get("errors", [])]
+    reasons = [re.sub(r" \(known: .*\)|; did you mean.*", "", reason) for reason in reasons]
+    return list(dict.fromkeys(reasons))
+
+
+def ours(path, args, defines, folder):
+    """Renderings with different seeds."""
+    images = []
+    for seed in range(SEEDS):
+        out = Path(folder) / "ours.exr"
+        words = ["--integrator", "path", "--spp", args.spp, "--size", args.size, "--seed", seed, "-q", "-o", out]
+        finished = run("render", path, *words, *defines)
+        if finished.returncode != 0:
+            return None
+        images.append(read(out))
+    return images
+
+
+def read(path):
+    import mitsuba as mi
+    import numpy as np
+
+    return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
+
+
+def theirs(path, args):
+    """Mitsuba's renderings with its path tracer, under the depth limits of the scene; None if it cannot."""
+    import mitsuba as mi
+    import numpy as np
+
+    width, height = map(int, args.size.split("x"))
+    try:
+        scene = mi.load_file(str(path), **dict(define.split("=", 1) for define in args.defines))
+        params = mi.traverse(scene)
+        film = next(key for key in params.keys() if key.endswith("film.size"))
+        params[film] = (width, height)
+        params[film.replace("size", "crop_size")] = (width, height)
+        params[film.replace("size", "crop_offset")] = (0, 0)
+        params.update()
+        images = [np.array(mi.render(scene, spp=args.spp, seed=100 + i))[..., :3] for i in range(SEEDS)]
+    except (RuntimeError, StopIteration, KeyError) as error:
+        print(f"{path}: Mitsuba: {error}".splitlines()[0], file=sys.stderr)
+        return None
+    return images
+
+
+def compare(own, other):
+    """The ratio of the means, and how many of how many tiles differ."""
+    import numpy as np
+
+    own, other = (np.stack(images).astype(np.float64) @ np.array(LUMINANCE) for images in (own, other))
+
+    def tiles(images):
+        count, rows, columns = images.shape
+        cut = images[:, : rows // TILE * TILE, : columns // TILE * TILE]
+        return cut.reshape(count, rows // TILE, TILE, columns // TILE, TILE).mean(axis=(2, 4)).reshape(count, -1)
+
+    a, b = tiles(own), tiles(other)
+    error = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / len(a))
+    # Tiles without variance, such as those of a black background, must be equal to rounding.
+    error = np.maximum(error, 1e-4 * np.maximum(np.abs(b.mean(axis=0)), 1e-6))
+    z = np.abs(a.mean(axis=0) - b.mean(axis=0)) / error
+    # Student's t with 14 degrees of freedom is close to normal here but for its tails: a margin covers them.
+    threshold = 1.6 * statistics.NormalDist().inv_cdf(1 - ALPHA / (2 * z.size))
+    mean = other.mean()
+    return own.mean() / mean if mean > 0 else 1.0, int((z > threshold).sum()), z.size
+
+
+def main():
+    args = arguments()
+    defines = [word for define in args.defines for word in ("-D", define)]
+    try:
+        import mitsuba as mi
+
+        mi.set_variant("scalar_rgb")
+        mi.set_log_level(mi.LogLevel.Error)
+        has_mitsuba = True
+    except ImportError:
+        has_mitsuba = False
+    print("| scene | loads | mean / Mitsuba 3's | tiles that differ |\n| --- | --- | ---: | ---: |")
+    loaded, total = 0, 0
+    for name in scenes(args.folder, args.list):
+        if args.only not in name:
+            continue
+        path = args.folder / name
+        total += 1
+        reasons = refusals(path, defines)
+        ratio, differing = "", ""
+        if not reasons:
+            loaded += 1
+            other = theirs(path, args) if has_mitsuba else None
+            if other is not None:
+                with tempfile.TemporaryDirectory() as folder:
+                    own = ours(path, args, defines, folder)
+                if own is not None:
+                    mean, count, tiles = compare(own, other)
+                    ratio, differing = f"{mean:.4f}", f"{count} of {tiles}"
+        verdict = "yes" if not reasons else "no: " + "; ".join(reasons)
+        print(f"| `{name}` | {verdict} | {ratio} | {differing} |", flush=True)
+    print(f"\n{loaded} of {total} load.")
+
+
+if __name__ == "__main__":
+    main()
