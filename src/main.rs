@@ -5,12 +5,12 @@ mod commands;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    commands::install_reports();
+    commands::prepare_to_fail();
     match commands::run() {
         Ok(outcome) => outcome.exit_code(),
         Err(report) => {
             commands::eprint(format_args!("{report:?}"));
-            ExitCode::from(commands::BAD_INPUT)
+            ExitCode::from(commands::exit_code(&report))
         }
     }
 }

@@ -80,7 +80,7 @@ fn wrong_arguments_are_explained() {
     for (arguments, message) in [
         ("paint room.xml", "unrecognized subcommand 'paint'"),
         ("render room.xml --sp 1", "unexpected argument '--sp'"),
-        ("render room.xml --spp 0", "at least 1"),
+        ("render room.xml --spp 0", "from 1 to"),
         ("render room.xml --spp 1 --time 1s", "cannot be used with"),
         ("render room.xml --time 0s", "60s, 2m, 1.5h"),
         ("render room.xml --time 5x", "60s, 2m, 1.5h"),

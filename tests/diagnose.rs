@@ -8,7 +8,7 @@ use common::workplace::Workplace;
 use predicates::str::{contains, starts_with};
 use serde_json::Value;
 
-const QUICK: &str = "--chains 300 --steps 256 -q";
+const QUICK: &str = "--integrator pssmlt --chains 300 --steps 256 -q";
 
 #[test]
 fn correct_chains_are_stationary() {
@@ -97,7 +97,10 @@ fn wrong_input_is_explained() {
         ("diagnose room.xml --integrator bdpt", "pssmlt"),
         ("diagnose room.xml --alpha 0", "between 0 and 1"),
         ("diagnose room.xml --chains 0", "from 1 to"),
-        ("diagnose room.xml -D radiance=0", "found light"),
+        (
+            "diagnose room.xml --integrator pssmlt -D radiance=0",
+            "found light",
+        ),
         ("diagnose no.xml", "no.xml"),
         ("diagnose room.xml -o room.xml", "room.xml"),
     ] {

@@ -248,17 +248,19 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
 fn writability_is_known_before_writing() {
     let directory = tempfile::tempdir().expect("a directory");
     let file = directory.path().join("file");
-    check_writable(&file).expect("writable");
+    check_writable([(file.as_path(), 100)]).expect("writable");
     assert!(names(directory.path()).is_empty());
 
     std::fs::write(&file, "").expect("written");
-    check_writable(&file).expect("may be replaced");
+    check_writable([(file.as_path(), 100)]).expect("may be replaced");
     for (path, reason) in [
         (directory.path().join("absent/image.exr"), "no directory"),
         (file.join("image.exr"), "no directory"),
         (directory.path().into(), "is a directory"),
     ] {
-        let message = check_writable(&path).expect_err("not writable").to_string();
+        let message = check_writable([(path.as_path(), 100)])
+            .expect_err("not writable")
+            .to_string();
         assert!(message.contains(reason), "{message}");
         assert!(message.contains(&path.display().to_string()), "{message}");
     }

@@ -176,7 +176,7 @@ fn wrong_arguments_are_explained() {
         ),
         (
             "strategies room.xml -o out --max-depth 4000000000",
-            "a smaller image or shorter paths are needed",
+            "at most 24 edges",
         ),
         (
             "strategies room.xml -o out --size 20000x10000",

@@ -63,8 +63,24 @@ pub struct LostLight {
 /// from the camera and as many from the emitters. Light that none of these rays carries is not
 /// reported.
 pub fn lost_light(scene: &Scene, techniques: TechniqueSet) -> Vec<LostLight> {
+    lost_light_observed(scene, techniques, &|_| {})
+}
+
+/// As [`lost_light`]; `progress` is called from time to time with the fraction of the rays that are done.
+pub fn lost_light_observed(
+    scene: &Scene,
+    techniques: TechniqueSet,
+    progress: &dyn Fn(f64),
+) -> Vec<LostLight> {
+    /// Rays between two calls.
+    const STEP: u64 = 256;
+    let report = |done: u64| {
+        if done.is_multiple_of(STEP) {
+            progress(done as f64 / (2 * PROBES) as f64);
+        }
+    };
     let mut rng = seeds::generator(0, Purpose::Probes, 0);
-    let seen = Seen::from_camera(scene, &mut rng);
+    let seen = Seen::from_camera(scene, &mut rng, &report);
     if techniques == TechniqueSet::Light {
         let lost = LostLight {
             emitter: String::new(),
@@ -81,7 +97,8 @@ pub fn lost_light(scene: &Scene, techniques: TechniqueSet) -> Vec<LostLight> {
     // For each emitter and surface: rays that specular chains carry in all, and those that are lost.
     let mut rays: BTreeMap<(u32, u32), [u32; 2]> = BTreeMap::new();
     let mut deltas = BTreeSet::new();
-    for _ in 0..PROBES {
+    for i in 0..PROBES {
+        report(PROBES + i);
         let Some(lit) = lit_through_specular(scene, &mut rng) else {
             continue;
         };
@@ -137,9 +154,10 @@ struct Seen {
 }
 
 impl Seen {
-    fn from_camera(scene: &Scene, rng: &mut Xoshiro256PlusPlus) -> Self {
+    fn from_camera(scene: &Scene, rng: &mut Xoshiro256PlusPlus, report: &dyn Fn(u64)) -> Self {
         let mut seen = Self::default();
-        for _ in 0..PROBES {
+        for i in 0..PROBES {
+            report(i);
             let (film, lens) = (pair(rng), pair(rng));
             let (ray, _) = scene.camera.ray(film, lens);
             let mode = TransportMode::Radiance;

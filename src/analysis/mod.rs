@@ -18,6 +18,6 @@ pub mod odd_view;
 mod probe;
 pub mod trapped_light;
 
-pub use lost_light::{Loss, LostLight, lost_light};
+pub use lost_light::{Loss, LostLight, lost_light, lost_light_observed};
 pub use odd_view::{OddView, odd_view};
 pub use trapped_light::{TrappedLight, trapped_light};

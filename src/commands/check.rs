@@ -1,15 +1,18 @@
 //! `metrolight check`: lists what a scene contains, and warns of light that no render shows.
 
 use std::collections::BTreeMap;
+use std::io::{IsTerminal, stderr};
 
 use metrolight::analysis::odd_view;
 use metrolight::film::Filter;
 use metrolight::mitsuba::LoadError;
-use metrolight::scene::{Material, Scene};
+use metrolight::render::{Memory, Method, Settings};
+use metrolight::scene::{Material, Scene, Texture};
 use metrolight::technique::TechniqueSet;
 use serde_json::{Map, Value, json};
 
 use super::numbers::quantity;
+use super::progress::Progress;
 use super::source::SceneArgs;
 use super::{Outcome, print, warn, wording};
 
@@ -34,14 +37,15 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = match args.scene.open(None) {
         Err(report) if args.json => {
             let errors = messages(&report);
-            print(json!({ "scene": args.scene.path, "loads": false, "errors": errors }));
+            print(json!({ "scene": args.scene.path, "loads": false, "errors": errors }))?;
             return Err(report);
         }
         opened => opened?,
     };
+    let progress = Progress::new(args.json, stderr().is_terminal());
     let mut warnings = opened.warnings.clone();
     warnings.extend(odd_view(&opened.scene).iter().map(wording::odd_view));
-    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional));
+    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional, None, &progress));
     let contents = describe(&opened.scene);
     if args.json {
         let contents: Map<String, Value> = contents
@@ -53,21 +57,21 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
             "loads": true,
             "contents": contents,
             "warnings": warnings,
-        }));
+        }))?;
         return Ok(Outcome::Done);
     }
-    print(args.scene.path.display());
+    print(args.scene.path.display())?;
     for (what, text) in contents {
-        print(format_args!("  {what:<10} {text}"));
+        print(format_args!("  {what:<10} {text}"))?;
     }
     if let Some(choice) = &opened.specular {
         print(format_args!(
             "  {:<10} {}",
             "",
             wording::specular_choice(choice)
-        ));
+        ))?;
     }
-    print(format_args!("  {:<10} {}", "time", opened.times()));
+    print(format_args!("  {:<10} {}", "time", opened.times()))?;
     warn(&warnings);
     Ok(Outcome::Done)
 }
@@ -88,13 +92,7 @@ fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
         ("depth", depth(scene)),
         ("shapes", shapes(scene)),
         ("bounds", bounds(scene)),
-        (
-            "memory",
-            format!(
-                "{} bytes of geometry",
-                quantity(scene.geometry.memory_bytes() as f64)
-            ),
-        ),
+        ("memory", memory(scene)),
         (
             "materials",
             by_kind(scene.materials.iter().map(Material::name)),
@@ -105,6 +103,28 @@ fn describe(scene: &Scene) -> Vec<(&'static str, String)> {
         ),
         ("chains", chains(scene)),
     ]
+}
+
+/// Memory of the scene, and of renders with default settings.
+fn memory(scene: &Scene) -> String {
+    let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
+    let bytes = |bytes: u64| format!("{}B", quantity(bytes as f64));
+    let textures = scene
+        .textures
+        .iter()
+        .map(Texture::memory_bytes)
+        .sum::<usize>();
+    let render = |method: Method| {
+        let memory = Memory::of(&Settings::new(method), pixels);
+        format!("{} {}", method.name(), bytes(memory.total()))
+    };
+    let renders: Vec<String> = Method::ALL.into_iter().map(render).collect();
+    format!(
+        "geometry {}, textures {}; besides them, film and chains of {}",
+        bytes(scene.geometry.memory_bytes() as u64),
+        bytes(textures as u64),
+        renders.join(", ")
+    )
 }
 
 /// Which chains of specular vertices next event estimation seeks.

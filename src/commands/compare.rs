@@ -1,19 +1,21 @@
 //! `metrolight compare`: measures the error of an image, and tests whether it is biased.
 
 use std::io::{IsTerminal, stderr};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use metrolight::film::{AnnotatedImage, Image, check_writable};
+use metrolight::film::{AnnotatedImage, Image};
 use metrolight::metrics::flip;
 use metrolight::metrics::{BiasTest, Estimate, image_errors, test_bias};
 use metrolight::render::{ErrorEstimate, Observer};
-use miette::{IntoDiagnostic, bail};
+use miette::bail;
 
 use super::comparison::{Comparison, FILES};
+use super::files::OutputFiles;
 use super::input::read;
+use super::mixture::mixtures;
 use super::output::STANDARD_ERROR;
 use super::progress::Progress;
-use super::{Outcome, eprint, interrupt, print};
+use super::{Outcome, eprint, interrupt, print, warn};
 
 /// Compare an image with a reference
 ///
@@ -27,7 +29,8 @@ Examples:
   metrolight compare a.exr reference.exr --json      the same as JSON
   metrolight compare a.exr reference.exr -o out      and out/error.png, out/flip.png, out/compare.json
 
-Exit codes: 0 compared, however different they are; 2 bad input; 130 interrupted by Ctrl-C")]
+Exit codes: 0 compared, however different they are; 2 bad input; 130, 143 or 129
+interrupted by Ctrl-C, SIGTERM or SIGHUP")]
 pub struct Args {
     /// Image to measure
     #[arg(value_name = "IMAGE")]
@@ -47,9 +50,6 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// Shorter remaining times, in seconds, are not shown.
-const MIN_REMAINING: f64 = 2.0;
-
 /// Reads, compares, writes and prints.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let image = read(&args.image)?;
@@ -66,7 +66,16 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         );
     }
     if let Some(directory) = &args.output {
-        prepare(directory)?;
+        let mut outputs = OutputFiles::default();
+        for (name, content) in FILES {
+            outputs.add(directory.join(name), content, "-o");
+        }
+        outputs.protect(&[&args.image, &args.reference])?;
+        super::output::make_directory(directory)?;
+        outputs.check_writable(image.image.pixels.len() as u64)?;
+    }
+    for (path, image) in [(&args.image, &image), (&args.reference, &reference)] {
+        warn(mixtures(path, image));
     }
     interrupt::listen()?;
     let Some(comparison) = compare(args, &image, &reference) else {
@@ -78,20 +87,11 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         comparison.write(directory, a, b, &report)?;
     }
     if args.json {
-        print(format_args!("{report:#}"));
+        print(format_args!("{report:#}"))?;
     } else {
-        print(comparison.text(args.output.as_deref()));
+        print(comparison.text(args.output.as_deref()))?;
     }
     Ok(Outcome::Done)
-}
-
-/// Makes the directory and checks that all files can be written.
-fn prepare(directory: &Path) -> miette::Result<()> {
-    super::output::make_directory(directory)?;
-    for name in FILES {
-        check_writable(&directory.join(name)).into_diagnostic()?;
-    }
-    Ok(())
 }
 
 /// `None` if the user interrupted.
@@ -104,11 +104,7 @@ fn compare<'a>(
     progress.phase("FLIP");
     let start = std::time::Instant::now();
     let flip = flip(&image.image, &reference.image, &|done| {
-        let left = start.elapsed().as_secs_f64() * (1.0 / done - 1.0);
-        progress.progress(
-            done,
-            (left.is_finite() && left > MIN_REMAINING).then_some(left),
-        );
+        progress.steady(start, done);
         !progress.interrupted()
     });
     progress.finish();

@@ -9,10 +9,15 @@ use metrolight::plot::{Picture, PlotError, draw_with_scale, rasterize};
 use miette::IntoDiagnostic;
 use serde_json::json;
 
+use super::files::Content;
 use super::output::{write_bytes, write_json};
 
 /// The files that are written.
-pub const FILES: [&str; 3] = ["error.png", "flip.png", "compare.json"];
+pub const FILES: [(&str, Content); 3] = [
+    ("error.png", Content::Preview),
+    ("flip.png", Content::Preview),
+    ("compare.json", Content::Text),
+];
 
 /// Errors of an image against a reference.
 pub struct Comparison<'a> {
@@ -87,7 +92,7 @@ impl Comparison<'_> {
         ];
         rows.extend(self.notes.iter().map(|note| ("note", note.clone())));
         if let Some(directory) = written {
-            let files = FILES.map(|name| directory.join(name).display().to_string());
+            let files = FILES.map(|(name, _)| directory.join(name).display().to_string());
             rows.push(("wrote", files.join(", ")));
         }
         let rows = rows
@@ -145,8 +150,8 @@ impl Comparison<'_> {
     pub fn json(&self, image: &Image) -> serde_json::Value {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "image": self.names[0],
-            "reference": self.names[1],
+            "image": self.names[0].to_string_lossy(),
+            "reference": self.names[1].to_string_lossy(),
             "size": [image.width, image.height],
             "verdict": self.verdict(),
             "errors": self.errors,
@@ -173,13 +178,13 @@ impl Comparison<'_> {
     ) -> miette::Result<()> {
         let flip = self.flip_map(image.width).into_diagnostic()?;
         let maps = [
-            (FILES[0], relative_map(image, reference)?),
-            (FILES[1], rasterize(&flip, 1.0).into_diagnostic()?),
+            (FILES[0].0, relative_map(image, reference)?),
+            (FILES[1].0, rasterize(&flip, 1.0).into_diagnostic()?),
         ];
         for (name, png) in maps {
             write_bytes(&directory.join(name), &png)?;
         }
-        write_json(&directory.join(FILES[2]), report)
+        write_json(&directory.join(FILES[2].0), report)
     }
 
     fn flip_map(&self, width: usize) -> Result<String, PlotError> {

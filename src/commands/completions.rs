@@ -16,9 +16,9 @@ pub struct Args {
 }
 
 /// Prints the script on stdout.
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> miette::Result<Outcome> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "metrolight", &mut script);
-    print(String::from_utf8_lossy(&script).trim_end());
-    Outcome::Done
+    print(String::from_utf8_lossy(&script).trim_end())?;
+    Ok(Outcome::Done)
 }

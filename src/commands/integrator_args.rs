@@ -1,7 +1,9 @@
 //! Options of the integrators: each applies to some of them only.
 
 use metrolight::markov::Perturbation;
-use metrolight::render::{Integrator, Method, MmltSettings, PssmltSettings};
+use metrolight::render::{
+    Integrator, MAX_PILOT_SAMPLES, Method, MmltSettings, PssmltSettings, Settings, Statistics,
+};
 use miette::bail;
 
 use super::names::{DirectName, IntegratorName};
@@ -26,7 +28,7 @@ pub struct IntegratorArgs {
 
     /// pssmlt: number of bootstrap samples
     /// [default: until the standard error of b is 1%, from 2^17 to 2^22]
-    #[arg(long, value_name = "N", value_parser = values::positive)]
+    #[arg(long, value_name = "N", value_parser = values::bootstrap)]
     bootstrap: Option<u64>,
 
     /// mmlt: how direct light is rendered: by independent samples only (separate), or by independent samples
@@ -43,6 +45,16 @@ pub struct IntegratorArgs {
     /// the expected brightness at its pixel [default: the pilot decides]
     #[arg(long, value_name = "T", value_parser = values::threshold)]
     threshold: Option<f32>,
+
+    #[arg(long, value_name = "N", value_parser = values::pilot, help = pilot_help())]
+    pilot: Option<u64>,
+}
+
+fn pilot_help() -> String {
+    format!(
+        "mmlt: number of samples of the pilot, at most {MAX_PILOT_SAMPLES} [default: as many as it may have \
+         in 3% of the time]"
+    )
 }
 
 fn large_step_help() -> String {
@@ -79,6 +91,57 @@ impl IntegratorArgs {
         })
     }
 
+    /// The integrator of `settings` and its options, for a command line that is printed. Numbers that time has
+    /// decided are those of `statistics`.
+    pub fn words(settings: &Settings, statistics: &Statistics) -> String {
+        let mut words = format!("--integrator {}", settings.method().name());
+        let mut add = |option: &str, value: &dyn std::fmt::Display, default: bool| {
+            if !default {
+                words += &format!(" --{option} {value}");
+            }
+        };
+        match &settings.integrator {
+            Integrator::Path | Integrator::Light | Integrator::Bdpt => {}
+            Integrator::Pssmlt(own) => {
+                let defaults = PssmltSettings::default();
+                let p = own.large_step_probability;
+                add(
+                    "large-step-probability",
+                    &p,
+                    p == defaults.large_step_probability,
+                );
+                add(
+                    "small-step",
+                    &own.small_step,
+                    own.small_step == defaults.small_step,
+                );
+                add("chains", &own.chains, own.chains == defaults.chains);
+                if let Some(pssmlt) = &statistics.pssmlt {
+                    add("bootstrap", &pssmlt.bootstrap_samples, false);
+                }
+            }
+            Integrator::Mmlt(own) => {
+                let defaults = MmltSettings::default();
+                add(
+                    "small-step",
+                    &own.small_step,
+                    own.small_step == defaults.small_step,
+                );
+                add("direct", &DirectName::Joint, own.separate_direct);
+                if let Some(threshold) = own.threshold {
+                    add("threshold", &threshold, false);
+                }
+                if let Some(mmlt) = &statistics.mmlt {
+                    add("pilot", &mmlt.pilot_samples, false);
+                }
+                if !own.importance_map {
+                    words += " --no-importance-map";
+                }
+            }
+        }
+        words
+    }
+
     fn pssmlt(&self) -> PssmltSettings {
         let defaults = PssmltSettings::default();
         PssmltSettings {
@@ -98,6 +161,7 @@ impl IntegratorArgs {
             separate_direct: self.direct != Some(DirectName::Joint),
             importance_map: !self.no_importance_map,
             threshold: self.threshold,
+            pilot: self.pilot,
             ..defaults
         }
     }
@@ -114,6 +178,7 @@ impl IntegratorArgs {
             ("--direct", self.direct.is_some(), &[mmlt]),
             ("--no-importance-map", self.no_importance_map, &[mmlt]),
             ("--threshold", self.threshold.is_some(), &[mmlt]),
+            ("--pilot", self.pilot.is_some(), &[mmlt]),
         ];
         check_applies(name.map(|name| name.0), &options)
     }

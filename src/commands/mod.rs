@@ -6,9 +6,13 @@ mod comparison;
 mod completions;
 mod converge;
 mod diagnose;
+mod files;
+mod help;
 mod input;
 mod integrator_args;
 mod interrupt;
+mod memory;
+mod mixture;
 mod names;
 mod numbers;
 mod output;
@@ -16,38 +20,47 @@ mod progress;
 mod render;
 mod replay;
 mod report;
+mod rescue;
 mod run_args;
+mod saves;
 mod source;
 mod statistics;
 mod strategies;
 mod values;
 mod wording;
 
+use std::ffi::OsString;
 use std::fmt::Display;
-use std::io::{IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
 use miette::MietteHandlerOpts;
 
 /// Exit code if `diagnose` rejects stationarity.
-pub const REJECTED: u8 = 1;
+const REJECTED: u8 = 1;
+/// Exit code if standard output cannot be written.
+const NOT_PRINTED: u8 = 1;
 /// Exit code for wrong arguments and input; clap uses the same.
-pub const BAD_INPUT: u8 = 2;
-/// Exit code after Ctrl-C: 128 + SIGINT, as in shells.
-pub const INTERRUPTED: u8 = 130;
+const BAD_INPUT: u8 = 2;
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
-  1    diagnose: the chains are not stationary
+  1    standard output cannot be written; or diagnose: the chains are not stationary
   2    bad input: wrong arguments, a scene that cannot be rendered, an output that cannot be written
-  130  interrupted by Ctrl-C";
+  129, 130, 143  ended early by SIGHUP, Ctrl-C or SIGTERM: what has been computed is written";
 
 /// Metropolis light transport over bidirectional path tracing: renders scenes with difficult light
 /// without bias, and estimates the error of the image.
 #[derive(Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(
+    version,
+    propagate_version = true,
+    disable_help_subcommand = true,
+    after_help = EXIT_CODES
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -64,6 +77,7 @@ enum Command {
     Report(report::Args),
     Strategies(strategies::Args),
     Completions(completions::Args),
+    Help(help::Args),
 }
 
 /// How a command without errors ended.
@@ -72,7 +86,7 @@ pub enum Outcome {
     Done,
     /// `diagnose` rejected that the chains are stationary.
     Rejected,
-    /// Ctrl-C ended it early.
+    /// A signal ended it early.
     Interrupted,
 }
 
@@ -81,15 +95,23 @@ impl Outcome {
         match self {
             Self::Done => ExitCode::SUCCESS,
             Self::Rejected => ExitCode::from(REJECTED),
-            Self::Interrupted => ExitCode::from(INTERRUPTED),
+            Self::Interrupted => ExitCode::from(interrupt::exit_code()),
         }
     }
 }
 
 /// Parses the command line and runs the subcommand. Wrong arguments end the process here.
 pub fn run() -> miette::Result<Outcome> {
-    match Cli::parse().command {
-        Command::Render(args) => render::run(args),
+    run_with(std::env::args_os())
+}
+
+fn run_with(words: impl IntoIterator<Item = OsString>) -> miette::Result<Outcome> {
+    let command = match Cli::try_parse_from(words) {
+        Ok(cli) => cli.command,
+        Err(error) => return explain(error),
+    };
+    match command {
+        Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Converge(args) => converge::run(&args),
@@ -97,13 +119,49 @@ pub fn run() -> miette::Result<Outcome> {
         Command::Replay(args) => replay::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Strategies(args) => strategies::run(args),
-        Command::Completions(args) => Ok(completions::run(&args)),
+        Command::Completions(args) => completions::run(&args),
+        Command::Help(args) => help::run(args),
     }
 }
 
+/// Prints the help or the version that was asked for; any other error of the arguments ends the process.
+fn explain(mut error: clap::Error) -> miette::Result<Outcome> {
+    if error.use_stderr() {
+        if error.kind() == ErrorKind::UnknownArgument {
+            // No argument of any command begins with a dash, so `--` is no help.
+            error.remove(ContextKind::Suggested);
+        }
+        error.exit();
+    }
+    let text = error.render();
+    let plain = !io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some();
+    match plain {
+        true => print(text.to_string().trim_end())?,
+        false => print(text.ansi().to_string().trim_end())?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// Standard output cannot be written.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("cannot write to standard output: {0}")]
+struct PrintError(io::Error);
+
 /// Prints a line on stdout. A closed pipe (`| head`) is not an error.
-fn print(text: impl Display) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+fn print(text: impl Display) -> miette::Result<()> {
+    let mut output = io::stdout().lock();
+    match writeln!(output, "{text}").and_then(|()| output.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(PrintError(error).into()),
+        _ => Ok(()),
+    }
+}
+
+/// The exit code of an error.
+pub fn exit_code(error: &miette::Report) -> u8 {
+    match error.downcast_ref::<PrintError>() {
+        Some(_) => NOT_PRINTED,
+        None => BAD_INPUT,
+    }
 }
 
 /// Prints a line on stderr. A closed pipe is not an error.
@@ -125,9 +183,12 @@ fn warn_more(warnings: &mut Vec<String>, more: impl IntoIterator<Item = String>)
     warn(&warnings[known..]);
 }
 
-/// Error reports keep paths and numbers in one piece: lines are never broken within a word, and not at
-/// all if stderr is no terminal.
-pub fn install_reports() {
+/// Settles how the process fails. Without memory it ends as with bad input, and a file that may not grow is an
+/// error. Reports of errors keep paths and numbers in one piece: lines are never broken within a word, and not
+/// at all if stderr is no terminal.
+pub fn prepare_to_fail() {
+    memory::exit_if_exhausted(BAD_INPUT);
+    interrupt::survive_full_files();
     let wrap = std::io::stderr().is_terminal();
     // Fails only if a hook is installed already.
     let _ = miette::set_hook(Box::new(move |_| {

@@ -5,6 +5,9 @@ use clap::builder::PossibleValue;
 use metrolight::render::Method;
 use metrolight::scene::ChainSearch;
 
+/// The integrator where one is needed and none is named. `render` chooses between it and `bdpt` by a pilot.
+pub const DEFAULT: Method = Method::Mmlt;
+
 /// An integrator, each with what it is good for.
 #[derive(Clone, Copy, PartialEq)]
 pub struct IntegratorName(pub Method);

@@ -1,93 +1,134 @@
 //! The files that a render writes.
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use metrolight::film::{
-    AttributeValue, Crop, ExrLayer, check_writable, replace_file, write_exr, write_png,
+    AttributeValue, Crop, ExrLayer, StagedFile, replace_file, stage_exr, stage_png,
 };
 use metrolight::render::{Budget, Rendering};
-use miette::{IntoDiagnostic, bail, miette};
+use miette::{IntoDiagnostic, miette};
 use serde_json::{Value, json};
 
+use super::files::{Content, OutputFiles};
+use super::rescue::rescue;
+
 /// Paths of the output files.
+#[derive(Clone)]
 pub struct Outputs {
     pub exr: PathBuf,
     pub png: PathBuf,
     pub stats: Option<PathBuf>,
+    /// The part of the image that is written; `None` for all of it.
+    pub crop: Option<Crop>,
 }
 
 impl Outputs {
-    /// The image at `exr`, or in the current directory under the scene's name, and a preview with the
-    /// same stem. Fails before rendering if one of the files could not be written.
-    pub fn prepare(
-        exr: Option<PathBuf>,
-        scene_name: &str,
-        stats: Option<PathBuf>,
-    ) -> miette::Result<Self> {
-        let exr = exr.unwrap_or_else(|| format!("{scene_name}.exr").into());
-        let outputs = Self {
+    /// The image at `exr`, and a preview with the same stem.
+    pub fn new(exr: PathBuf, stats: Option<PathBuf>) -> Self {
+        Self {
             png: exr.with_extension("png"),
             exr,
             stats,
-        };
-        let images = [&outputs.exr, &outputs.png];
-        if let Some(stats) = &outputs.stats
-            && images.contains(&stats)
-        {
-            bail!(
-                "--stats {} is also the name of an image that this render writes: choose another",
-                stats.display()
-            );
+            crop: None,
         }
-        for path in images.into_iter().chain(&outputs.stats) {
-            check_writable(path).into_diagnostic()?;
-        }
-        Ok(outputs)
     }
 
-    /// Writes all files.
-    pub fn write(
-        &self,
-        rendering: &Rendering,
-        crop: Option<&Crop>,
-        report: &Value,
-    ) -> miette::Result<()> {
-        write_rendering(&self.exr, rendering, crop, report)?;
-        if let Some(path) = &self.stats {
-            write_json(path, report)?;
+    /// The files, of which the image has `layers` layers.
+    pub fn files(&self, layers: u64) -> OutputFiles {
+        let mut files = OutputFiles::default();
+        files.add(&self.exr, Content::Linear { layers }, "-o");
+        files.add(&self.png, Content::Preview, "-o");
+        if let Some(stats) = &self.stats {
+            files.add(stats, Content::Text, "--stats");
         }
-        Ok(())
+        files
+    }
+
+    /// Writes all files: the image with its standard errors as a layer and `report` as attributes, the
+    /// preview, and `report`. They replace older files only when all of them are complete. All have the
+    /// same identifier in them, which tells if later one of them is replaced.
+    pub fn write(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
+        let mut report = report.clone();
+        report[RENDER] = json!(identifier(rendering, &report));
+        report["files"] = json!({
+            "image": self.exr.to_string_lossy(),
+            "preview": self.png.to_string_lossy(),
+            "statistics": self.stats.as_ref().map(|path| path.to_string_lossy()),
+        });
+        let staged = self.stage(rendering, &report)?;
+        let mut staged = staged.into_iter();
+        staged.try_for_each(StagedFile::commit).into_diagnostic()
+    }
+
+    fn stage(&self, rendering: &Rendering, report: &Value) -> miette::Result<Vec<StagedFile>> {
+        let whole = &rendering.image;
+        let image = match &self.crop {
+            Some(crop) => Cow::Owned(whole.part(crop)),
+            None => Cow::Borrowed(whole),
+        };
+        let errors = rendering.error.as_ref().map(|error| match &self.crop {
+            Some(crop) => Cow::Owned(crop.of(whole.width, &error.standard_errors)),
+            None => Cow::Borrowed(&*error.standard_errors),
+        });
+        let layers: Vec<ExrLayer> = errors
+            .iter()
+            .map(|errors| (STANDARD_ERROR, &**errors))
+            .collect();
+        let identifier = report[RENDER].as_str().unwrap_or_default();
+        let texts = [(ATTRIBUTE, identifier)];
+        let mut staged = vec![
+            stage_exr(&self.exr, &image, &layers, &attributes(report)).into_diagnostic()?,
+            stage_png(&self.png, &image, &texts).into_diagnostic()?,
+        ];
+        if let Some(stats) = &self.stats {
+            let text = json_text(report);
+            let write = StagedFile::write(stats, |writer| writer.write_all(text.as_bytes()));
+            staged.push(write.into_diagnostic()?);
+        }
+        Ok(staged)
+    }
+
+    /// As [`Self::write`]; if that fails, writes the files elsewhere, and the error says where.
+    pub fn write_or_rescue(&self, rendering: &Rendering, report: &Value) -> miette::Result<()> {
+        self.write(rendering, report).map_err(|error| {
+            let directory = self.exr.parent().unwrap_or(Path::new(""));
+            let stem = self.exr.file_stem().unwrap_or_default().to_string_lossy();
+            rescue(directory, &stem, &error, |directory| {
+                let moved =
+                    |path: &PathBuf| directory.join(path.file_name().unwrap_or(OsStr::new("_")));
+                let moved = Self {
+                    exr: moved(&self.exr),
+                    png: moved(&self.png),
+                    stats: self.stats.as_ref().map(moved),
+                    crop: self.crop,
+                };
+                moved.write(rendering, report)
+            })
+        })
     }
 }
 
 /// The layer of standard errors in an image that was rendered with `--error`.
 pub const STANDARD_ERROR: &str = "standard_error";
 
-/// Writes the part `crop` of the image to `exr`, with its standard errors as a layer and `report` as attributes, and the
-/// preview with the same stem.
-pub fn write_rendering(
-    exr: &Path,
-    rendering: &Rendering,
-    crop: Option<&Crop>,
-    report: &Value,
-) -> miette::Result<()> {
-    let whole = &rendering.image;
-    let image = match crop {
-        Some(crop) => Cow::Owned(whole.part(crop)),
-        None => Cow::Borrowed(whole),
-    };
-    let errors = rendering.error.as_ref().map(|error| match crop {
-        Some(crop) => Cow::Owned(crop.of(whole.width, &error.standard_errors)),
-        None => Cow::Borrowed(&*error.standard_errors),
-    });
-    let layers: Vec<ExrLayer> = errors
-        .iter()
-        .map(|errors| (STANDARD_ERROR, &**errors))
-        .collect();
-    write_exr(exr, &image, &layers, &attributes(report)).into_diagnostic()?;
-    write_png(&exr.with_extension("png"), &image).into_diagnostic()
+/// The key of the identifier of a render in its statistics.
+pub const RENDER: &str = "render";
+
+/// The attribute and the keyword of the identifier in images.
+pub const ATTRIBUTE: &str = "metrolight.render";
+
+/// An identifier of the results of a render: a hash of its image and its statistics, in 16 digits.
+fn identifier(rendering: &Rendering, report: &Value) -> String {
+    let mut hasher = DefaultHasher::new();
+    for value in rendering.image.pixels.as_flattened() {
+        value.to_bits().hash(&mut hasher);
+    }
+    report.to_string().hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
 }
 
 /// Writes a whole file, or leaves the existing one unchanged.
@@ -102,7 +143,11 @@ pub fn write_text(path: &Path, text: &str) -> miette::Result<()> {
 
 /// Writes an indented JSON file.
 pub fn write_json(path: &Path, value: &Value) -> miette::Result<()> {
-    write_text(path, &format!("{value:#}\n"))
+    write_text(path, &json_text(value))
+}
+
+fn json_text(value: &Value) -> String {
+    format!("{value:#}\n")
 }
 
 /// Makes a directory and its parents, if they do not exist.
@@ -121,6 +166,7 @@ pub fn budget_json(budget: Budget) -> Value {
     match budget {
         Budget::SamplesPerPixel(n) => json!({ "samples_per_pixel": n }),
         Budget::Seconds(seconds) => json!({ "seconds": seconds }),
+        Budget::Samples(n) => json!({ "samples": n }),
         Budget::Unlimited => json!("unlimited"),
     }
 }

@@ -68,6 +68,15 @@ impl Progress {
         Self::Bar(bar)
     }
 
+    /// Shows that `fraction` of a phase that began at `start` and goes on at the same speed is done.
+    pub fn steady(&self, start: Instant, fraction: f64) {
+        /// Shorter remaining times, in seconds, are not shown.
+        const MIN_REMAINING: f64 = 2.0;
+        let left = start.elapsed().as_secs_f64() * (1.0 / fraction - 1.0);
+        let is_long = left.is_finite() && left > MIN_REMAINING;
+        self.progress(fraction, is_long.then_some(left));
+    }
+
     /// Removes the bar.
     pub fn finish(&self) {
         if let Self::Bar(bar) = self {

@@ -4,14 +4,13 @@ use glam::DVec3;
 use metrolight::markov::Perturbation;
 use metrolight::math::color::is_light;
 use metrolight::path::Vertex;
-use metrolight::render::{
-    Integrator, Method, PssmltSettings, Replay, SampleId, Settings, Statistics,
-};
+use metrolight::render::{Integrator, PssmltSettings, Replay, SampleId, Settings, Statistics};
 use metrolight::scene::Scene;
 use metrolight::technique::PathContribution;
 use miette::bail;
 
-use super::names::IntegratorName;
+use super::names::{DEFAULT, IntegratorName};
+use super::numbers::duration;
 use super::source::SceneArgs;
 use super::{Outcome, eprint, print, values, warn};
 
@@ -31,7 +30,7 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Integrator of the render
-    #[arg(long, default_value_t = IntegratorName(Method::Pssmlt))]
+    #[arg(long, default_value_t = IntegratorName(DEFAULT))]
     integrator: IntegratorName,
 
     /// Seed of the render
@@ -89,6 +88,12 @@ fn command(scene: &SceneArgs, settings: &Settings, sample: SampleId) -> String {
     words
 }
 
+/// A usual speed of a chain.
+const STEPS_PER_SECOND: f64 = 100_000.0;
+
+/// Seconds that need no announcement.
+const LONG: f64 = 180.0;
+
 /// Prints subpaths and connections on stdout.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let opened = args.scene.open(None)?;
@@ -101,6 +106,15 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         own.large_step_probability = args.large_step_probability;
         own.small_step = args.small_step.unwrap_or(own.small_step);
     }
+    if let SampleId::Mutation { step, .. } = args.at
+        && step as f64 > LONG * STEPS_PER_SECOND
+    {
+        let seconds = step as f64 / STEPS_PER_SECOND;
+        eprint(format_args!(
+            "repeating {step} steps takes about {}, at {STEPS_PER_SECOND} steps per second",
+            duration(seconds)
+        ));
+    }
     let scene = &opened.scene;
     let replay = match Replay::run(scene, &settings, args.at) {
         Ok(replay) => replay,
@@ -112,30 +126,30 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         args.scene.path.display(),
         args.integrator,
         args.seed
-    ));
+    ))?;
     subpath(
         scene,
         "camera subpath",
         'z',
         &replay.workspace.camera.vertices,
-    );
+    )?;
     subpath(
         scene,
         "light subpath",
         'y',
         &replay.workspace.light.vertices,
-    );
+    )?;
     if replay.contributions.is_empty() {
-        print("no technique found light");
+        print("no technique found light")?;
     }
     for path in &replay.contributions {
-        print(path_line(scene, path));
+        print(path_line(scene, path))?;
     }
     Ok(Outcome::Done)
 }
 
-fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
-    print(format_args!("{name}: {} surface vertices", vertices.len()));
+fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) -> miette::Result<()> {
+    print(format_args!("{name}: {} surface vertices", vertices.len()))?;
     for (i, vertex) in (1..).zip(vertices) {
         let surface = &vertex.surface;
         print(format_args!(
@@ -144,8 +158,9 @@ fn subpath(scene: &Scene, name: &str, letter: char, vertices: &[Vertex]) {
             scene.geometry.shape_name(surface.shape),
             vertex.material(scene).name(),
             triple(vertex.throughput.as_dvec3()),
-        ));
+        ))?;
     }
+    Ok(())
 }
 
 /// One line for a path: technique, film position, value and weight.

@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use metrolight::analysis::{lost_light, trapped_light};
+use metrolight::analysis::{LostLight, lost_light_observed, trapped_light};
 use metrolight::mitsuba::{self, Overrides};
-use metrolight::render::{SpecularChoice, choose_specular};
+use metrolight::render::{Method, Observer, SpecularChoice, choose_specular};
 use metrolight::scene::{ChainSearch, Scene};
 use metrolight::technique::TechniqueSet;
 use miette::IntoDiagnostic;
 
 use super::names::SpecularName;
 use super::numbers::duration;
-use super::{values, wording};
+use super::progress::Progress;
+use super::{memory, values, wording};
 
 /// A scene file, and overrides of its settings.
 #[derive(clap::Args)]
@@ -47,6 +48,8 @@ pub struct SceneArgs {
 /// A scene that is ready to be rendered.
 pub struct Opened {
     pub scene: Scene,
+    /// The files that were read.
+    pub files: Vec<PathBuf>,
     /// Warnings about its files, and about the scene for any integrator.
     pub warnings: Vec<String>,
     /// Time to read and decode all files.
@@ -58,6 +61,11 @@ pub struct Opened {
 }
 
 impl Opened {
+    /// Number of pixels of its image.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.scene.film.width) * u64::from(self.scene.film.height)
+    }
+
     /// How long opening the scene took.
     pub fn times(&self) -> String {
         format!(
@@ -76,11 +84,30 @@ impl Opened {
         }
     }
 
-    /// Warnings of light that `techniques` cannot find, or only rarely.
-    pub fn lost_light(&self, techniques: TechniqueSet) -> Vec<String> {
-        let lost = lost_light(&self.scene, techniques);
-        lost.iter().map(wording::lost_light).collect()
+    /// Warnings of light that `techniques` cannot find, or only rarely, in an image by `method`.
+    pub fn lost_light(
+        &self,
+        techniques: TechniqueSet,
+        method: Option<Method>,
+        progress: &Progress,
+    ) -> Vec<String> {
+        let lost = find_lost_light(&self.scene, techniques, progress);
+        let lost = lost.iter().map(|lost| wording::lost_light(lost, method));
+        lost.collect()
     }
+}
+
+/// Light of `scene` that `techniques` cannot find, or only rarely.
+pub fn find_lost_light(
+    scene: &Scene,
+    techniques: TechniqueSet,
+    progress: &Progress,
+) -> Vec<LostLight> {
+    progress.phase("checking");
+    let start = Instant::now();
+    let lost = lost_light_observed(scene, techniques, &|done| progress.steady(start, done));
+    progress.finish();
+    lost
 }
 
 impl SceneArgs {
@@ -91,9 +118,12 @@ impl SceneArgs {
         let loaded = mitsuba::load_with(&self.path, &self.defines, overrides)?;
         let mut warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
         let mut description = loaded.description;
+        let coincident = description.remove_coincident();
+        warnings.extend(coincident.as_ref().map(wording::coincident));
         if let Some(limit) = self.max_depth {
             description.depth.max_depth = limit.0;
         }
+        memory::check_scene(&description)?;
         let load_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
@@ -111,6 +141,7 @@ impl SceneArgs {
         warnings.extend(trapped_light(&scene).as_ref().map(wording::trapped_light));
         Ok(Opened {
             scene,
+            files: loaded.files,
             warnings,
             load_seconds,
             build_seconds,

@@ -1,22 +1,24 @@
 //! Statistics of a render: as JSON, and as a few lines to read.
 
-use std::path::Path;
+use std::borrow::Cow;
 
 use metrolight::film::Crop;
 use metrolight::render::{
-    MmltStatistics, MutationStatistics, PssmltStatistics, Rendering, Settings, Statistics,
+    Budget, MmltStatistics, MutationStatistics, PssmltStatistics, Rendering, Settings, Statistics,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::numbers::{duration, quantity};
+use super::integrator_args::IntegratorArgs;
+use super::numbers::{digits, duration, quantity};
 use super::output::{Outputs, budget_json};
 use super::source::{Opened, SceneArgs};
 
 #[derive(Serialize)]
 struct Report<'a> {
+    command: String,
     version: &'static str,
-    scene: &'a Path,
+    scene: Cow<'a, str>,
     defines: std::collections::BTreeMap<&'a str, &'a str>,
     max_depth: Option<u32>,
     specular: String,
@@ -40,8 +42,9 @@ pub fn json(
     warnings: &[String],
 ) -> serde_json::Result<Value> {
     serde_json::to_value(Report {
+        command: command(args, settings, rendering),
         version: env!("CARGO_PKG_VERSION"),
-        scene: &args.path,
+        scene: args.path.to_string_lossy(),
         defines: args
             .defines
             .iter()
@@ -66,11 +69,26 @@ pub fn json(
     })
 }
 
+/// A command that renders the same image again.
+fn command(args: &SceneArgs, settings: &Settings, rendering: &Rendering) -> String {
+    let statistics = &rendering.statistics;
+    let budget = match settings.budget {
+        Budget::SamplesPerPixel(n) if !rendering.interrupted => format!("--spp {n}"),
+        _ => format!("--samples {}", statistics.samples),
+    };
+    format!(
+        "metrolight render {} {} --seed {} {budget}",
+        args.words(),
+        IntegratorArgs::words(settings, statistics),
+        settings.seed
+    )
+}
+
 /// A few lines: the files written, the number of samples, the speed and the error.
-pub fn summary(outputs: &Outputs, rendering: &Rendering, crop: Option<&Crop>) -> String {
+pub fn summary(outputs: &Outputs, rendering: &Rendering) -> String {
     let statistics = &rendering.statistics;
     let [width, height] = statistics.size;
-    let written = match crop {
+    let written = match outputs.crop {
         Some(Crop { size: [w, h], .. }) => format!("{w} x {h} of {width} x {height} pixels"),
         None => format!("{width} x {height} pixels"),
     };
@@ -91,13 +109,16 @@ pub fn summary(outputs: &Outputs, rendering: &Rendering, crop: Option<&Crop>) ->
     let mut lines = vec![
         format!("wrote {files}: {written}"),
         format!(
-            "{}: {} {unit} ({} per pixel) in {}, {} per second on {} threads",
+            "{}: {} {unit} ({} per pixel) in {}, {} per second on {}",
             statistics.integrator.name(),
             quantity(statistics.samples as f64),
             (1000.0 * per_pixel).round() / 1000.0,
             duration(statistics.render_seconds),
             quantity(statistics.samples_per_second),
-            statistics.threads,
+            match statistics.threads {
+                1 => "1 thread".into(),
+                n => format!("{n} threads"),
+            },
         ),
         format!(
             "rays: {} closest-hit, {} shadow; {} per second",
@@ -149,7 +170,7 @@ fn mmlt_line(mmlt: &MmltStatistics) -> String {
     format!(
         "above {} times the expected brightness: {} chains with {} mutations, accepted {}, longest \
          run of rejections {}",
-        f64::from(mmlt.threshold),
+        digits(f64::from(mmlt.threshold)),
         mmlt.chains,
         quantity(mutations as f64),
         accepted(&mmlt.mutations),

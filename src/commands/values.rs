@@ -4,8 +4,10 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use metrolight::markov::Perturbation;
-use metrolight::render::MAX_CHAINS;
+use metrolight::mitsuba::MAX_PIXELS;
+use metrolight::render::{MAX_CHAINS, MAX_PILOT_SAMPLES};
 
 /// A time in seconds, from `60`, `60s`, `2m` or `1.5h`.
 pub fn seconds(text: &str) -> Result<f64, String> {
@@ -16,19 +18,47 @@ pub fn seconds(text: &str) -> Result<f64, String> {
         _ => (text, 1.0),
     };
     match number.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * unit),
+        Ok(value) if value > 0.0 && value * unit <= MAX_SECONDS => Ok(value * unit),
+        Ok(value) if value > 0.0 => Err("expected at most 100000h".into()),
         _ => Err("expected a time above 0, such as 60s, 2m, 1.5h or 90".into()),
+    }
+}
+
+/// Longest time that can be asked for: more than eleven years.
+const MAX_SECONDS: f64 = 3600.0 * 100_000.0;
+
+/// When a render is saved while it runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SaveEvery {
+    /// From time to time, if it is long.
+    Default,
+    /// Never.
+    Never,
+    /// With this time between two saves, in seconds.
+    Seconds(f64),
+}
+
+/// A time between saves, or `never`.
+pub fn save_every(text: &str) -> Result<SaveEvery, String> {
+    match text {
+        "never" => Ok(SaveEvery::Never),
+        _ => match seconds(text) {
+            Ok(value) if value <= MAX_SECONDS => Ok(SaveEvery::Seconds(value)),
+            _ => Err("expected a time above 0, such as 60s, 2m or 1.5h, or never".into()),
+        },
     }
 }
 
 /// Width and height, from `640x480`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let pixels = |side: &str| side.parse().ok().filter(|&n: &u32| n > 0);
-    text.split_once('x')
-        .and_then(|(width, height)| Some([pixels(width)?, pixels(height)?]))
-        .ok_or_else(|| {
-            "expected width and height in pixels, both at least 1, such as 640x480".into()
-        })
+    let size = text.split_once('x');
+    let size = size.and_then(|(width, height)| Some([pixels(width)?, pixels(height)?]));
+    match size {
+        Some(size) if size.map(u64::from).iter().product::<u64>() <= MAX_PIXELS => Ok(size),
+        Some(_) => Err(format!("expected at most {MAX_PIXELS} pixels in all")),
+        None => Err("expected width and height in pixels, both at least 1, such as 640x480".into()),
+    }
 }
 
 /// The value of `text` if it can be parsed and is accepted.
@@ -85,15 +115,66 @@ pub fn threshold(text: &str) -> Result<f32, String> {
     parse(text, accepts, "a number of at least 0")
 }
 
-/// An integer of at least 1.
-pub fn positive(text: &str) -> Result<u64, String> {
-    parse(text, |&n: &u64| n > 0, "an integer of at least 1")
+/// Greatest number of samples, mutations or steps: more than a thousand years of the fastest machine.
+const MAX_COUNT: u64 = 1 << 62;
+
+/// Greatest number of bootstrap samples, of which each is stored.
+const MAX_BOOTSTRAP: u64 = 1 << 32;
+
+/// Greatest number of renders of an integrator.
+const MAX_REPEATS: u64 = 10_000;
+
+/// Greatest number of steps of a chain that is diagnosed, of which each is stored.
+const MAX_STEPS: u64 = 1 << 24;
+
+/// Greatest number of edges whose techniques are rendered one by one: 650 images.
+const MAX_EDGES: u32 = 24;
+
+fn count(text: &str, max: u64) -> Result<u64, String> {
+    let accepts = |n: &u64| (1..=max).contains(n);
+    parse(text, accepts, format_args!("an integer from 1 to {max}"))
+}
+
+/// A number of samples or mutations.
+pub fn samples(text: &str) -> Result<u64, String> {
+    count(text, MAX_COUNT)
+}
+
+/// A number of bootstrap samples.
+pub fn bootstrap(text: &str) -> Result<u64, String> {
+    count(text, MAX_BOOTSTRAP)
+}
+
+/// A number of repetitions, or a multiple of the work of one.
+pub fn repeats(text: &str) -> Result<u64, String> {
+    count(text, MAX_REPEATS)
+}
+
+/// A number of steps of a chain.
+pub fn steps(text: &str) -> Result<u64, String> {
+    count(text, MAX_STEPS)
+}
+
+/// A number of edges up to which every technique is rendered; -1 is an error of its own.
+pub fn edges(text: &str) -> Result<MaxDepth, String> {
+    match max_depth(text)? {
+        MaxDepth(Some(edges)) if edges > MAX_EDGES => Err(format!(
+            "expected at most {MAX_EDGES} edges, since each path length has its own techniques"
+        )),
+        other => Ok(other),
+    }
 }
 
 /// A number of Markov chains.
 pub fn chains(text: &str) -> Result<u64, String> {
     let expected = format_args!("a number of chains from 1 to {MAX_CHAINS}");
     parse(text, |n| (1..=MAX_CHAINS).contains(n), expected)
+}
+
+/// A number of samples of a pilot.
+pub fn pilot(text: &str) -> Result<u64, String> {
+    let expected = format_args!("a number of samples from 1 to {MAX_PILOT_SAMPLES}");
+    parse(text, |n| (1..=MAX_PILOT_SAMPLES).contains(n), expected)
 }
 
 /// A number of threads.
@@ -138,18 +219,17 @@ pub fn define(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// A path that ends in `.exr`.
-pub fn exr_path(text: &str) -> Result<PathBuf, String> {
-    path(text, "exr")
+/// The parser of a path that ends in `.exr`.
+pub fn exr_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|given| path(given, "exr"))
 }
 
-/// A path that ends in `.html`.
-pub fn html_path(text: &str) -> Result<PathBuf, String> {
-    path(text, "html")
+/// The parser of a path that ends in `.html`.
+pub fn html_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|given| path(given, "html"))
 }
 
-fn path(text: &str, extension: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
+fn path(path: PathBuf, extension: &str) -> Result<PathBuf, String> {
     match path.extension() {
         Some(found) if found.eq_ignore_ascii_case(extension) => Ok(path),
         _ => Err(format!("expected a name that ends in .{extension}")),
@@ -173,6 +253,7 @@ mod tests {
     #[test]
     fn sizes_are_positive() {
         assert_eq!(size("640x480"), Ok([640, 480]));
+        assert_eq!(size("16384x16384"), Ok([16384; 2]));
         for text in [
             "",
             "640",
@@ -182,6 +263,7 @@ mod tests {
             "4x4x4",
             "4X",
             "99999999999x1",
+            "32768x16384",
         ] {
             assert!(size(text).is_err(), "{text}");
         }
@@ -218,8 +300,9 @@ mod tests {
         assert_eq!(define("a=b=c"), Ok(("a".into(), "b=c".into())));
         assert_eq!(define("a="), Ok(("a".into(), String::new())));
         assert!(define("a").is_err() && define("=b").is_err());
-        assert!(exr_path("out/a.EXR").is_ok());
-        assert!(exr_path("out/").is_err() && exr_path("a.png").is_err());
-        assert!(html_path("a.HTML").is_ok() && html_path("convergence.svg").is_err());
+        let accepts = |name: &str, extension| path(name.into(), extension).is_ok();
+        assert!(accepts("out/a.EXR", "exr"));
+        assert!(!accepts("out/", "exr") && !accepts("a.png", "exr"));
+        assert!(accepts("a.HTML", "html") && !accepts("convergence.svg", "html"));
     }
 }

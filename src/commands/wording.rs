@@ -3,8 +3,9 @@
 use metrolight::analysis::lost_light::PROBES;
 use metrolight::analysis::trapped_light::BOUNCES;
 use metrolight::analysis::{Loss, LostLight, OddView, TrappedLight};
-use metrolight::render::{Choice, ChoiceReason, SpecularChoice, Warning};
+use metrolight::render::{Choice, ChoiceReason, Method, SpecularChoice, Warning};
 use metrolight::scene::ChainSearch;
+use metrolight::scene::coincident::Coincident;
 use metrolight::technique::TechniqueSet;
 
 /// What limits an image.
@@ -94,8 +95,8 @@ fn some_of(names: &[String]) -> String {
     }
 }
 
-/// Where an image is too dark, or may be.
-pub fn lost_light(lost: &LostLight) -> String {
+/// Where an image is too dark, or may be. The image is rendered by `method`, if that is known.
+pub fn lost_light(lost: &LostLight, method: Option<Method>) -> String {
     let emitter = &lost.emitter;
     let surfaces = match &lost.surfaces[..] {
         [] => "nothing is".into(),
@@ -120,6 +121,12 @@ pub fn lost_light(lost: &LostLight) -> String {
             "lost light: {surfaces} seen through smooth glass or mirrors, where light tracing finds \
              nothing. Use another integrator"
         ),
+        (TechniqueSet::Bidirectional, Loss::Nearly) if method == Some(Method::Mmlt) => format!(
+            "rare light: {lit} {chains}, and seen through smooth glass or mirrors. Only paths that hit \
+             the emitter by chance find that light, and none of {PROBES} did. The chains of mmlt stay \
+             near the paths that are found, so expect darkness or blotches there at first: render for \
+             longer, use a larger emitter, or make the glass or mirrors a little rough"
+        ),
         (TechniqueSet::Bidirectional, Loss::Nearly) => format!(
             "rare light: {lit} {chains}, and seen through smooth glass or mirrors. Only paths that hit \
              the emitter by chance find that light, and none of {PROBES} did. Expect fireflies, or \
@@ -140,6 +147,14 @@ pub fn trapped_light(trapped: &TrappedLight) -> String {
          infinite or too large to be computed. Set a limit with --max-depth, or give surfaces an \
          albedo below 1",
         100.0 * trapped.share
+    )
+}
+
+/// Shapes that are left out.
+pub fn coincident(coincident: &Coincident) -> String {
+    format!(
+        "{} coincides with {}: of coincident shapes only the first is kept ({} left out)",
+        coincident.name, coincident.with, coincident.count
     )
 }
 

@@ -34,7 +34,7 @@ impl Schedule {
                 let pixels = pixels as f64;
                 Self::Samples(times(n as f64 * pixels, pixels))
             }
-            Budget::Unlimited => Self::Seconds(Vec::new()),
+            Budget::Samples(_) | Budget::Unlimited => Self::Seconds(Vec::new()),
         }
     }
 

@@ -8,7 +8,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage,
 };
 
-use super::file::{WriteError, replace_file};
+use super::file::{StagedFile, WriteError};
 use super::image::{AttributeValue, Image};
 
 /// Name of a layer, and three values for each pixel, in rows from the top.
@@ -26,7 +26,20 @@ pub fn write_exr(
     layers: &[ExrLayer],
     attributes: &[(String, AttributeValue)],
 ) -> Result<(), WriteError> {
-    replace_file(path, |writer| {
+    stage_exr(path, image, layers, attributes)?.commit()
+}
+
+/// As [`write_exr`], and leaves it to the caller to commit the file.
+///
+/// # Errors
+/// As for [`write_exr`].
+pub fn stage_exr(
+    path: &Path,
+    image: &Image,
+    layers: &[ExrLayer],
+    attributes: &[(String, AttributeValue)],
+) -> Result<StagedFile, WriteError> {
+    StagedFile::write(path, |writer| {
         encode(writer, image, layers, attributes).map_err(|error| match error {
             exr::error::Error::Io(error) => error,
             other => io::Error::other(other),

@@ -24,10 +24,10 @@ pub mod splats;
 
 pub use self::image::{AnnotatedImage, AttributeValue, Crop, Image};
 pub use accumulate::Film;
-pub use exr::{ExrLayer, write_exr};
-pub use file::{WriteError, check_writable, replace_file};
+pub use exr::{ExrLayer, stage_exr, write_exr};
+pub use file::{StagedFile, WriteError, check_writable, replace_file};
 pub use filter::{Filter, FilterSampler};
-pub use png::{srgb_bytes, write_png};
+pub use png::{png_text, srgb_bytes, stage_png, write_png};
 pub use read::{Decode, ReadImageError, read_annotated, read_image};
 pub use sampler::FilmSampler;
 pub use splats::{Splat, SplatFilm, SplatLog};

@@ -1,12 +1,12 @@
 //! PNG previews.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, BufReader};
 use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use png::{BitDepth, ColorType, Decoder, Encoder, EncodingError};
 
-use super::file::{WriteError, replace_file};
+use super::file::{StagedFile, WriteError};
 use super::image::Image;
 
 /// Writes a preview: 8 bits per channel, encoded as sRGB, values clamped to [0, 1].
@@ -14,16 +14,46 @@ use super::image::Image;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png(path: &Path, image: &Image) -> Result<(), WriteError> {
+    stage_png(path, image, &[])?.commit()
+}
+
+/// As [`write_png`], with `texts`, each with its keyword, and leaves it to the caller to commit the file.
+///
+/// # Errors
+/// If the file cannot be written, or a keyword is not 1 to 79 Latin letters.
+pub fn stage_png(
+    path: &Path,
+    image: &Image,
+    texts: &[(&str, &str)],
+) -> Result<StagedFile, WriteError> {
     let bytes = srgb_bytes(image, 1.0);
     let (width, height) = (image.width as u32, image.height as u32);
-    replace_file(path, |writer| {
-        PngEncoder::new(writer)
-            .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
-            .map_err(|error| match error {
-                ImageError::IoError(error) => error,
-                other => io::Error::other(other),
-            })
+    StagedFile::write(path, |output| {
+        let encode = || {
+            let mut encoder = Encoder::new(output, width, height);
+            encoder.set_color(ColorType::Rgb);
+            encoder.set_depth(BitDepth::Eight);
+            for &(keyword, text) in texts {
+                encoder.add_text_chunk(keyword.into(), text.into())?;
+            }
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(&bytes)?;
+            writer.finish()
+        };
+        encode().map_err(|error| match error {
+            EncodingError::IoError(error) => error,
+            other => io::Error::other(other),
+        })
     })
+}
+
+/// The text that `path`, a PNG file, has under a keyword. `None` if it has none or is not a PNG file.
+pub fn png_text(path: &Path, keyword: &str) -> Option<String> {
+    let decoder = Decoder::new(BufReader::new(File::open(path).ok()?));
+    let reader = decoder.read_info().ok()?;
+    let mut texts = reader.info().uncompressed_latin1_text.iter();
+    let found = texts.find(|text| text.keyword == keyword)?;
+    Some(found.text.clone())
 }
 
 /// The image times `exposure`, as clamped sRGB with three bytes per pixel.

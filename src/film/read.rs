@@ -17,6 +17,8 @@ use super::image::{AnnotatedImage, AttributeValue, Image};
 /// Maximum number of pixels of an image: 16384 x 8192. It limits the memory for the size that a file
 /// claims.
 const MAX_PIXELS: usize = 1 << 27;
+/// Bytes of a pixel while it is decoded: as in the file, and twice in f32.
+const PIXEL_BYTES: usize = 4 + 2 * 3 * 4;
 /// Maximum number of bytes that a decoder may allocate.
 const MAX_BYTES: u64 = 1 << 31;
 /// Maximum number of pixels per byte of an OpenEXR file: deflate, its best compression, expands a byte
@@ -51,6 +53,18 @@ pub enum ReadImageError {
         height: usize,
         /// Maximum number of pixels.
         limit: usize,
+    },
+    /// There is not enough memory for the image.
+    #[error(
+        "the image of {width} x {height} pixels needs {bytes} bytes of memory, which there are not"
+    )]
+    Memory {
+        /// Pixels in a row.
+        width: usize,
+        /// Pixels in a column.
+        height: usize,
+        /// Memory that decoding takes.
+        bytes: usize,
     },
     /// The file is invalid, or its format is not that of its extension.
     #[error("not a usable image (PNG, JPEG, OpenEXR or Radiance HDR): {0}")]
@@ -247,14 +261,23 @@ fn broken(error: ImageError) -> ReadImageError {
 
 fn check_size(width: usize, height: usize, limit: usize) -> Result<(), ReadImageError> {
     let pixels = width.checked_mul(height);
-    if pixels.is_some_and(|pixels| pixels > 0 && pixels <= limit) {
-        return Ok(());
+    let Some(pixels) = pixels.filter(|&pixels| pixels > 0 && pixels <= limit) else {
+        return Err(ReadImageError::TooLarge {
+            width,
+            height,
+            limit,
+        });
+    };
+    // The decoders abort or panic without memory.
+    let bytes = pixels.saturating_mul(PIXEL_BYTES);
+    match Vec::<u8>::new().try_reserve_exact(bytes) {
+        Ok(()) => Ok(()),
+        Err(_) => Err(ReadImageError::Memory {
+            width,
+            height,
+            bytes,
+        }),
     }
-    Err(ReadImageError::TooLarge {
-        width,
-        height,
-        limit,
-    })
 }
 
 /// The inverse of the transfer function of sRGB (IEC 61966-2-1).

@@ -165,6 +165,11 @@ impl<T: Default> Chain<T> {
         std::mem::take(&mut self.current.weights)
     }
 
+    /// Gives the current state the weight that [`Self::take_weights`] has returned.
+    pub fn put_weights(&mut self, weights: Weights) {
+        self.current.weights = weights;
+    }
+
     /// The kinds of mutations.
     pub fn mutations(&self) -> &Mutations {
         self.state.mutations()

@@ -9,7 +9,7 @@ use crate::scene::FilmSettings;
 /// Mitsuba's default size.
 const DEFAULT_SIZE: [u32; 2] = [768, 576];
 /// Maximum number of pixels. Sums in f64 for more do not fit into the memory of a workstation.
-const MAX_PIXELS: u64 = 1 << 28;
+pub const MAX_PIXELS: u64 = 1 << 28;
 /// Mitsuba's default filter.
 const DEFAULT_FILTER: Filter = Filter::Gaussian { stddev: 0.5 };
 /// Maximum width of a filter in pixels. The cost of a sample grows with its square.

@@ -40,10 +40,11 @@ mod spectrum;
 mod texture;
 mod xml;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use builder::Overrides;
 pub use error::{Cause, LoadError, Warning};
+pub use film::MAX_PIXELS;
 pub use mesh::MeshError;
 pub use source::{Place, SourceFile};
 
@@ -56,6 +57,9 @@ pub struct Loaded {
     pub description: SceneDescription,
     /// Suspicious parts of its files.
     pub warnings: Vec<Warning>,
+    /// All files that were read: the scene file, included files, meshes, images. A file that is read several
+    /// times may be named several times.
+    pub files: Vec<PathBuf>,
 }
 
 /// Loads the scene file at `path`. `defines` are names and values for `$name`; they take precedence
@@ -82,5 +86,6 @@ pub fn load_with(
     Ok(Loaded {
         description,
         warnings,
+        files: tree.into_files(),
     })
 }

@@ -14,17 +14,55 @@ const MAX_SHOWN_LINE: usize = 400;
 pub struct SourceFile {
     path: PathBuf,
     text: String,
-    /// Offsets in bytes at which lines begin. Kept because every shape asks for its line number.
-    lines: Vec<usize>,
+    /// The beginnings of lines and, in long lines, more bytes. Kept because every shape asks for its line.
+    marks: Vec<Mark>,
+}
+
+/// A byte of the text of which line and column are known, both counted from 1.
+#[derive(Clone, Copy)]
+struct Mark {
+    byte: usize,
+    line: usize,
+    column: usize,
+}
+
+/// Maximum number of bytes between two marks.
+const MARK_DISTANCE: usize = 1024;
+
+/// A byte that does not continue a UTF-8 sequence begins a character.
+fn begins_character(byte: u8) -> bool {
+    byte & 0xC0 != 0x80
+}
+
+fn marks(text: &str) -> Vec<Mark> {
+    let mut next = Mark {
+        byte: 0,
+        line: 1,
+        column: 1,
+    };
+    let mut marks = vec![next];
+    let mut last = 0;
+    for byte in text.bytes() {
+        next.byte += 1;
+        if byte == b'\n' {
+            next.line += 1;
+            next.column = 1;
+        } else {
+            next.column += usize::from(begins_character(byte));
+        }
+        if byte == b'\n' || next.byte - last == MARK_DISTANCE {
+            marks.push(next);
+            last = next.byte;
+        }
+    }
+    marks
 }
 
 impl SourceFile {
     /// A file with `text`; messages name it by `path`.
     pub(super) fn new(path: PathBuf, text: String) -> Arc<Self> {
-        let newlines = text.bytes().enumerate().filter(|&(_, b)| b == b'\n');
-        let lines = std::iter::once(0).chain(newlines.map(|(at, _)| at + 1));
-        let lines = lines.collect();
-        Arc::new(Self { path, text, lines })
+        let marks = marks(&text);
+        Arc::new(Self { path, text, marks })
     }
 
     /// The path, as given on the command line or relative to a path given there.
@@ -89,11 +127,11 @@ impl Place {
     pub fn line_and_column(&self) -> (usize, usize) {
         let bytes = self.file.text.as_bytes();
         let start = self.span.start.min(bytes.len());
-        let line = self.file.lines.partition_point(|&begin| begin <= start);
-        let before = &bytes[self.file.lines[line - 1]..start];
-        // A byte that does not continue a UTF-8 sequence begins a character.
-        let is_start = |b: &&u8| **b & 0xC0 != 0x80;
-        (line, before.iter().filter(is_start).count() + 1)
+        let after = self.file.marks.partition_point(|mark| mark.byte <= start);
+        let mark = self.file.marks[after - 1];
+        let between = bytes[mark.byte..start].iter();
+        let characters = between.filter(|&&byte| begins_character(byte)).count();
+        (mark.line, mark.column + characters)
     }
 
     /// The range, for a report that marks the fault.
@@ -117,5 +155,27 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_and_column();
         write!(f, "{}:{line}:{column}", self.file.path.display())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The definition: characters since the last line break.
+    #[test]
+    fn lines_and_columns_are_those_of_the_text() {
+        let text = format!("a\né{}\n\n{}x", "ü€".repeat(2000), "é".repeat(1500));
+        let file = SourceFile::new("a.xml".into(), text.clone());
+        for (byte, _) in text.char_indices() {
+            let before = &text[..byte];
+            let line = before.split('\n').count();
+            let column = before
+                .rsplit('\n')
+                .next()
+                .map_or(0, |last| last.chars().count());
+            let place = Place::new(&file, byte..byte);
+            assert_eq!(place.line_and_column(), (line, column + 1), "{byte}");
+        }
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn bootstrap<'a, P: PathSampler>(
     let deadline = match (settings.budget, method_settings.bootstrap) {
         (Budget::Seconds(seconds), None) => 0.1 * seconds,
         (Budget::Seconds(seconds), Some(_)) => 0.5 * seconds,
-        (Budget::SamplesPerPixel(_) | Budget::Unlimited, _) => f64::INFINITY,
+        (Budget::SamplesPerPixel(_) | Budget::Samples(_) | Budget::Unlimited, _) => f64::INFINITY,
     };
     let rays = Mutex::new(RayCounts::default());
     let bootstrap = Bootstrap::run(
@@ -51,15 +51,14 @@ pub(super) fn bootstrap<'a, P: PathSampler>(
 
 fn bootstrap_limits(samples: Option<u64>, budget: Budget, pixels: u64) -> BootstrapLimits {
     let [min, max] = BOOTSTRAP_SAMPLES;
+    // At most an eighth of the number of mutations, because large steps refine b as well, but enough samples
+    // to start from.
+    let within = |mutations: u64| (min, (mutations / 8).clamp(min, max), BOOTSTRAP_ERROR);
     let (at_least, at_most, relative_error) = match (samples, budget) {
         (Some(n), _) => (n, n, 0.0),
         (None, Budget::Seconds(_) | Budget::Unlimited) => (min, max, BOOTSTRAP_ERROR),
-        (None, Budget::SamplesPerPixel(n)) => {
-            // At most an eighth of the number of mutations, because large steps refine b as well, but
-            // enough samples to start from.
-            let max = (n.saturating_mul(pixels) / 8).clamp(min, max);
-            (min, max, BOOTSTRAP_ERROR)
-        }
+        (None, Budget::SamplesPerPixel(n)) => within(n.saturating_mul(pixels)),
+        (None, Budget::Samples(n)) => within(n),
     };
     BootstrapLimits {
         at_least,

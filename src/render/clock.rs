@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Budget, Observer, Progress};
+use super::{Budget, Observer, Progress, Rendering};
 use crate::film::Image;
 
 /// Tracks the budget of a phase whose work is counted in samples.
@@ -19,7 +19,9 @@ pub(super) struct Clock<'a> {
 }
 
 enum Limit {
-    /// Total number of samples.
+    /// Total number of samples, of which every pixel or chain has an equal share.
+    Shared(u64),
+    /// Total number of samples, in the order of a render that time ends.
     Samples(u64),
     /// Seconds since the start at which to stop.
     Seconds(f64),
@@ -32,7 +34,8 @@ impl<'a> Clock<'a> {
     /// `start`.
     pub fn new(start: Instant, budget: Budget, pixels: u64, observer: &'a dyn Observer) -> Self {
         let limit = match budget {
-            Budget::SamplesPerPixel(n) => Limit::Samples(n.saturating_mul(pixels)),
+            Budget::SamplesPerPixel(n) => Limit::Shared(n.saturating_mul(pixels)),
+            Budget::Samples(n) => Limit::Samples(n),
             Budget::Seconds(seconds) => Limit::Seconds(seconds),
             Budget::Unlimited => Limit::None,
         };
@@ -55,33 +58,53 @@ impl<'a> Clock<'a> {
     /// Total number of samples, if the budget is a number of samples.
     pub fn total_samples(&self) -> Option<u64> {
         match self.limit {
-            Limit::Samples(n) => Some(n),
+            Limit::Shared(n) | Limit::Samples(n) => Some(n),
             Limit::Seconds(_) | Limit::None => None,
         }
     }
 
-    /// Number of samples of the next block, after `done` samples: `block`, or fewer if a time budget would
-    /// be exceeded otherwise. It does not depend on time if the budget is a number of samples.
+    /// Total number of samples, if every pixel or chain is to have an equal share of them.
+    pub fn total_if_shared(&self) -> Option<u64> {
+        match self.limit {
+            Limit::Shared(n) => Some(n),
+            Limit::Samples(_) | Limit::Seconds(_) | Limit::None => None,
+        }
+    }
+
+    /// Number of samples of the next block, after `done` samples. It does not depend on time, so that the
+    /// image does not: where time ends the render, blocks begin small and grow with the work done, so that
+    /// the last one exceeds the budget by little.
     pub fn block(&self, done: u64, block: u64) -> u64 {
         match self.limit {
-            Limit::Samples(_) | Limit::None => block,
-            Limit::Seconds(seconds) => {
-                if done == 0 {
-                    return (block / 64).max(1);
-                }
+            Limit::Shared(_) | Limit::None => block,
+            Limit::Samples(_) | Limit::Seconds(_) => (done / 64).clamp((block / 64).max(1), block),
+        }
+    }
+
+    /// Number of samples of the next block, after `done` samples, if the image does not depend on it: `block`,
+    /// or fewer if a time budget would be exceeded otherwise.
+    pub fn prompt_block(&self, done: u64, block: u64) -> u64 {
+        match self.limit {
+            Limit::Seconds(seconds) if done > 0 => {
                 let rate = done as f64 / self.working_seconds().max(1e-6);
                 let left = (seconds - self.elapsed()).max(0.0);
                 let fitting = rate * (0.02 * seconds).clamp(0.01, 0.25).min(left);
                 (fitting as u64).clamp(1, block)
             }
+            _ => self.block(done, block),
         }
+    }
+
+    /// True if the observer cancels.
+    pub fn is_cancelled(&self) -> bool {
+        self.observer.interrupted()
     }
 
     /// Reports `done` samples to the observer; true if the budget is spent or the observer cancels.
     pub fn is_over(&self, done: u64) -> bool {
         let spent = match self.limit {
-            Limit::Samples(n) if done >= n => 1.0,
-            Limit::Samples(n) => done as f64 / n as f64,
+            Limit::Shared(n) | Limit::Samples(n) if done >= n => 1.0,
+            Limit::Shared(n) | Limit::Samples(n) => done as f64 / n as f64,
             // At least one block is sampled, even if it is late: without samples the image is black.
             Limit::Seconds(_) if done == 0 => 0.0,
             Limit::Seconds(seconds) => self.elapsed() / seconds,
@@ -109,6 +132,25 @@ impl<'a> Clock<'a> {
         if self.observer.wants_snapshot(&progress) {
             let pause = Instant::now();
             self.observer.on_snapshot(&progress, &resolve());
+            self.paused += pause.elapsed();
+        }
+    }
+
+    /// Passes the result so far to the observer, if it wants it after `samples` samples and `rays` rays.
+    /// `result` returns it. The time of both is not counted.
+    pub fn save(&mut self, samples: u64, rays: u64, result: impl FnOnce(&Self) -> Rendering) {
+        let progress = Progress {
+            seconds: self.elapsed(),
+            samples,
+            rays,
+        };
+        if samples > 0 && self.observer.wants_rendering(&progress) {
+            let pause = Instant::now();
+            let result = Rendering {
+                interrupted: true,
+                ..result(self)
+            };
+            self.observer.on_rendering(&result);
             self.paused += pause.elapsed();
         }
     }

@@ -3,6 +3,7 @@
 
 use super::clock::Clock;
 use super::error::{ErrorEstimate, TargetError};
+use super::{Rendering, Settings};
 use crate::film::Image;
 use crate::scene::RayCounts;
 
@@ -37,10 +38,24 @@ pub(super) trait Driver {
 
     /// The error of `image`, if it is requested and can be estimated.
     fn error(&self, image: &Image) -> Option<ErrorEstimate>;
+
+    /// The result, at the end of a render with `settings`.
+    fn finish(&mut self, settings: &Settings, clock: &Clock) -> Rendering;
+
+    /// The result that [`Self::finish`] would return now. The render goes on as if it had not been asked for.
+    fn result_so_far(&mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        self.finish(settings, clock)
+    }
 }
 
-/// Advances `driver` until the budget of `clock` is spent or `target` is reached.
-pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: TargetError) {
+/// Advances `driver` until the budget of `clock` is spent or the target error of `settings` is reached.
+pub(super) fn drive(
+    driver: &mut impl Driver,
+    settings: &Settings,
+    clock: &mut Clock,
+    pixels: u64,
+) -> Rendering {
+    let mut target = TargetError::new(settings, pixels);
     while driver.can_advance() && !clock.is_over(driver.samples()) {
         driver.advance(clock);
 
@@ -57,5 +72,10 @@ pub(super) fn drive(driver: &mut impl Driver, clock: &mut Clock, mut target: Tar
             let rays = driver.rays().total();
             clock.show(samples, rays, || driver.image());
         }
+
+        // Save the result so far.
+        let rays = driver.rays().total();
+        clock.save(samples, rays, |clock| driver.result_so_far(settings, clock));
     }
+    driver.finish(settings, clock)
 }

@@ -188,6 +188,7 @@ impl PassVariance {
 ///
 /// and the final image is their mean, weighted by w_g = m_g/M. Its variance is estimated by
 /// G/(G - 1) sum_g w_g^2 (X_g - mean)^2.
+#[derive(Clone)]
 pub(super) struct Groups {
     films: Vec<SplatFilm>,
 }

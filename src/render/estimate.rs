@@ -120,7 +120,7 @@ impl ImageEstimate {
     /// The result of a render: `image`, which `samples` samples and `rays` rays have made, with its error,
     /// statistics and warnings.
     pub fn rendering(
-        self,
+        &self,
         scene: &Scene,
         settings: &Settings,
         clock: &Clock,
@@ -131,7 +131,7 @@ impl ImageEstimate {
         let error = self.error(&image);
         let warnings = self.warnings(settings, samples, error.as_ref());
         let seconds = [clock.elapsed(); 2];
-        let found = self.non_finite;
+        let found = self.non_finite.clone();
         Rendering {
             image,
             error,

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use super::clock::Clock;
 use super::driver::{Driver, drive};
-use super::error::{ErrorEstimate, TargetError};
+use super::error::ErrorEstimate;
 use super::estimate::{ImageEstimate, TileSplats};
-use super::passes::PassLoop;
+use super::passes::{BLOCK, PassLoop};
 use super::{Observer, Rendering, Settings, pixel_count};
 use crate::film::Image;
 use crate::integrators::PathSampler;
@@ -32,13 +32,7 @@ pub(super) fn render<P: PathSampler>(
         pixel_count(scene),
         observer,
     );
-    let target = TargetError::new(settings, pixel_count(scene));
-    drive(&mut driver, &mut clock, target);
-    let image = driver.image();
-    let (samples, rays) = (driver.samples(), driver.rays());
-    driver
-        .estimate
-        .rendering(scene, settings, &clock, image, samples, rays)
+    drive(&mut driver, settings, &mut clock, pixel_count(scene))
 }
 
 /// The state of a render.
@@ -53,12 +47,17 @@ impl<P: PathSampler> Driver for Independent<'_, P> {
     fn advance(&mut self, clock: &Clock) {
         // Sample the next tiles of the pass, in parallel.
         let (scene, path_sampler) = (self.scene, &self.path_sampler);
+        let block = clock.prompt_block(self.samples(), BLOCK);
         let tiles = self
             .passes
-            .advance(clock, |pixel, sampler, workspace, tile| {
+            .advance(clock, block, |pixel, sampler, workspace, tile| {
                 path_sampler.sample_splats(scene, sampler, workspace, &mut tile.last);
                 tile.add_last(pixel);
             });
+
+        if tiles.is_empty() {
+            return;
+        }
 
         // Add their splats to the film.
         let splats = tiles.iter().map(|(tile, splats)| (tile, *splats));
@@ -95,5 +94,11 @@ impl<P: PathSampler> Driver for Independent<'_, P> {
 
     fn error(&self, image: &Image) -> Option<ErrorEstimate> {
         self.estimate.error(image)
+    }
+
+    fn finish(&mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        let (samples, rays, image) = (self.samples(), self.rays(), self.image());
+        self.estimate
+            .rendering(self.scene, settings, clock, image, samples, rays)
     }
 }

@@ -24,6 +24,7 @@ mod driver;
 pub mod error;
 mod estimate;
 mod independent;
+pub mod memory;
 pub mod mmlt;
 mod passes;
 mod pixel_sampler;
@@ -44,6 +45,8 @@ use crate::scene::Scene;
 
 pub use choice::{Choice, ChoiceReason, choose};
 pub use error::ErrorEstimate;
+pub use memory::Memory;
+pub use plan::pilot::MAX_SAMPLES as MAX_PILOT_SAMPLES;
 pub use plan::{MmltSettings, Plan};
 pub use replay::{Replay, ReplayError};
 pub use sample_id::{NonFinite, SampleId};
@@ -79,6 +82,13 @@ pub trait Observer: Sync {
     }
     /// Receives the image so far. The clock of the render is stopped meanwhile.
     fn on_snapshot(&self, _progress: &Progress, _image: &Image) {}
+    /// True if [`Self::on_rendering`] should receive the result so far now.
+    fn wants_rendering(&self, _progress: &Progress) -> bool {
+        false
+    }
+    /// Receives the result so far, as an interrupted render would return it. The clock of the render is
+    /// stopped meanwhile, and the final image stays the same to the bit.
+    fn on_rendering(&self, _rendering: &Rendering) {}
 }
 
 /// An observer that ignores progress and never cancels.

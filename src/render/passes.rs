@@ -15,8 +15,8 @@ const TILE: u64 = 256;
 /// Minimum number of tiles sampled in parallel, unless the pass ends, so that no thread is idle.
 const MIN_TILES: u64 = 8;
 
-/// Samples between two checks of the clock.
-const BLOCK: u64 = 1 << 16;
+/// Maximum number of samples between two checks of the clock.
+pub(super) const BLOCK: u64 = 1 << 16;
 
 /// Consecutive pixels, with one sample each.
 pub(super) struct Tile {
@@ -64,17 +64,20 @@ impl<B: TileBuffer> PassLoop<B> {
         }
     }
 
-    /// Takes the next samples in parallel, about as many as `clock` suggests. `sample` is called for each
-    /// pixel with its sampler and the buffer of its tile. Returns the tiles in order, with their buffers.
+    /// Takes the next samples in parallel, about as many as `block`, within the budget of `clock`. `sample` is called for each
+    /// pixel with its sampler and the buffer of its tile. Returns the tiles in order, with their buffers; fewer, or
+    /// none, if the observer cancels meanwhile.
     pub fn advance(
         &mut self,
         clock: &Clock,
+        block: u64,
         sample: impl Fn(u64, &mut PixelSampler, &mut Workspace, &mut B) + Sync,
     ) -> Vec<(Tile, &B)> {
         // A block consists of whole tiles of one pass.
         let left_in_pass = self.tiles_per_pass - self.next_tile % self.tiles_per_pass;
-        let block = clock.block(self.done, BLOCK).div_ceil(TILE);
+        let block = block.div_ceil(TILE);
         let block = block.max(MIN_TILES).min(left_in_pass);
+        let block = block.min(self.tiles_left(clock)).max(1);
         let first = self.next_tile;
         let tile = |i: usize| {
             let index = first + i as u64;
@@ -84,22 +87,43 @@ impl<B: TileBuffer> PassLoop<B> {
                 pixels: begin..self.samples.pixels().min(begin + TILE),
             }
         };
-        let tiles: Vec<Tile> = (0..block as usize).map(tile).collect();
+        let mut tiles: Vec<Tile> = (0..block as usize).map(tile).collect();
         let needed = self.buffers.len().max(tiles.len());
         self.buffers.resize_with(needed, Default::default);
         let samples = &self.samples;
         let active = tiles.par_iter().zip(self.buffers.par_iter_mut());
-        active.for_each(|(tile, (workspace, buffer))| {
+        let complete = active.map(|(tile, (workspace, buffer))| {
             buffer.clear();
+            if clock.is_cancelled() {
+                return false;
+            }
             for pixel in tile.pixels.clone() {
                 let mut sampler = samples.sample(tile.pass, pixel);
                 sample(pixel, &mut sampler, workspace, buffer);
             }
+            true
         });
+        let complete: Vec<bool> = complete.collect();
+
+        // A cancelled block ends before the first tile that is missing.
+        let count = complete.iter().take_while(|complete| **complete).count();
+        tiles.truncate(count);
         self.done += tiles.iter().map(Tile::samples).sum::<u64>();
-        self.next_tile += block;
+        self.next_tile += count as u64;
         let buffers = self.buffers.iter().map(|(_, buffer)| buffer);
         tiles.into_iter().zip(buffers).collect()
+    }
+
+    /// Number of tiles until the budget is spent, if it is a number of samples.
+    fn tiles_left(&self, clock: &Clock) -> u64 {
+        let Some(total) = clock.total_samples() else {
+            return u64::MAX;
+        };
+        let (passes, rest) = (total / self.samples.pixels(), total % self.samples.pixels());
+        let tiles = passes.saturating_mul(self.tiles_per_pass);
+        tiles
+            .saturating_add(rest.div_ceil(TILE))
+            .saturating_sub(self.next_tile)
     }
 
     /// True if all pixels have the same number of samples.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::bootstrap::bootstrap;
 use super::clock::Clock;
 use super::driver::{Driver, drive};
-use super::error::{ErrorEstimate, GroupWork, Groups, TargetError};
+use super::error::{ErrorEstimate, GroupWork, Groups};
 use super::target::SplatTarget;
 use super::{
     NonFinite, Observer, PssmltSettings, PssmltStatistics, Rendering, SampleId, Settings,
@@ -26,7 +26,7 @@ use super::{
 };
 use crate::film::{Image, Splat, SplatFilm, SplatLog};
 use crate::integrators::{PathSampler, SplatList};
-use crate::markov::{Bootstrap, Chain, KelemenWeights, Mutations, Sample};
+use crate::markov::{Bootstrap, Chain, KelemenWeights, Mutations, Sample, Weights};
 use crate::math::color::{saturated, to_pixel};
 use crate::sampling::seeds;
 use crate::scene::{RayCounts, Scene};
@@ -82,6 +82,7 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
         scene,
         path_sampler,
         groups: settings.wants_error().then(groups),
+        large_step_probability: method_settings.large_step_probability,
         weights: KelemenWeights {
             b: bootstrap.moments.mean,
             large_step_probability: mutations.large_step_probability(),
@@ -97,9 +98,7 @@ pub(super) fn render<P: PathSampler + Copy + Send>(
         done: 0,
     };
     let mut clock = Clock::new(start, settings.budget, pixels, observer);
-    let target = TargetError::new(settings, pixels);
-    drive(&mut driver, &mut clock, target);
-    driver.finish(settings, method_settings, &clock)
+    drive(&mut driver, settings, &mut clock, pixels)
 }
 
 /// The state of a render: the chains and their films.
@@ -108,6 +107,8 @@ struct Pssmlt<'a, P> {
     path_sampler: P,
     bootstrap: Bootstrap,
     bootstrap_rays: RayCounts,
+    /// p_large, as in the settings.
+    large_step_probability: f32,
     /// Kelemen's weights with b_0.
     weights: KelemenWeights,
     /// Bootstrap samples at which the chains started.
@@ -168,7 +169,7 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
         self.next_chain = chains.end % count;
 
         // Run a batch of mutations of each chain, in parallel.
-        let total = clock.total_samples();
+        let total = clock.total_if_shared();
         self.in_workers(chains, |i, chain, weights, worker| {
             let made = chain.counters.steps();
             let quota = total.map_or(batch, |total| quota(total, count as u64, i) - made);
@@ -213,6 +214,67 @@ impl<P: PathSampler + Copy + Send> Driver for Pssmlt<'_, P> {
         groups.estimate(image, &work, self.weights.b, |pixel| {
             self.chain_film.sum(pixel).map(|sum| sum * per_mutation)
         })
+    }
+
+    fn finish(&mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        let image = self.image();
+        let uniform = self.uniform();
+        let error = self.error(&image);
+        let non_finite = self.non_finite();
+        let seconds = [clock.elapsed(), clock.elapsed() - clock.began()];
+        let chains = PssmltStatistics::new(
+            self.large_step_probability,
+            (self.bootstrap.moments.count, clock.began()),
+            &uniform,
+            self.chains.iter().map(|chain| &chain.counters),
+        );
+        let interrupted = clock.was_cancelled(self.done);
+        let warnings = match (interrupted, self.done) {
+            (true, 0) => Vec::new(),
+            _ => warnings::non_finite(&non_finite)
+                .into_iter()
+                .chain(warnings::normalisation(&uniform, &self.bootstrap))
+                .chain(warnings::no_mutation(self.done, self.chains.len()))
+                .chain(warnings::stuck(chains.stuck_chains, chains.chains))
+                .chain(warnings::error(settings, error.as_ref()))
+                .chain(warnings::rare_contributions(error.as_ref()))
+                .collect(),
+        };
+        let mut statistics = Statistics::new(
+            self.scene,
+            settings,
+            seconds,
+            self.done,
+            self.rays(),
+            non_finite,
+        );
+        statistics.pssmlt = Some(chains);
+        Rendering {
+            image,
+            error,
+            statistics,
+            interrupted,
+            warnings,
+        }
+    }
+
+    /// Adding the weights that states have so far to the sums changes how these are rounded, so the sums are
+    /// put back.
+    fn result_so_far(&mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        let films = [self.chain_film.clone(), self.large_film.clone()];
+        let groups = self.groups.clone();
+        let weights: Vec<Weights> = self
+            .chains
+            .iter()
+            .map(|chain| chain.current().weights)
+            .collect();
+        let result = self.finish(settings, clock);
+        [self.chain_film, self.large_film] = films;
+        self.groups = groups;
+        for (chain, weights) in self.chains.iter_mut().zip(weights) {
+            chain.put_weights(weights);
+        }
+        result
     }
 }
 
@@ -294,53 +356,6 @@ impl<P: PathSampler + Copy + Send> Pssmlt<'_, P> {
             width,
             height,
             pixels: (0..width * height).map(pixel).collect(),
-        }
-    }
-
-    fn finish(
-        mut self,
-        settings: &Settings,
-        method_settings: &PssmltSettings,
-        clock: &Clock,
-    ) -> Rendering {
-        let image = self.image();
-        let uniform = self.uniform();
-        let error = self.error(&image);
-        let non_finite = self.non_finite();
-        let seconds = [clock.elapsed(), clock.elapsed() - clock.began()];
-        let chains = PssmltStatistics::new(
-            method_settings.large_step_probability,
-            (self.bootstrap.moments.count, clock.began()),
-            &uniform,
-            self.chains.iter().map(|chain| &chain.counters),
-        );
-        let interrupted = clock.was_cancelled(self.done);
-        let warnings = match (interrupted, self.done) {
-            (true, 0) => Vec::new(),
-            _ => warnings::non_finite(&non_finite)
-                .into_iter()
-                .chain(warnings::normalisation(&uniform, &self.bootstrap))
-                .chain(warnings::no_mutation(self.done, self.chains.len()))
-                .chain(warnings::stuck(chains.stuck_chains, chains.chains))
-                .chain(warnings::error(settings, error.as_ref()))
-                .chain(warnings::rare_contributions(error.as_ref()))
-                .collect(),
-        };
-        let mut statistics = Statistics::new(
-            self.scene,
-            settings,
-            seconds,
-            self.done,
-            self.rays(),
-            non_finite,
-        );
-        statistics.pssmlt = Some(chains);
-        Rendering {
-            image,
-            error,
-            statistics,
-            interrupted,
-            warnings,
         }
     }
 

@@ -44,6 +44,12 @@ impl fmt::Display for SampleId {
     }
 }
 
+impl SampleId {
+    /// Greatest step of a chain that can be parsed: all steps before it are repeated, which takes hours for this
+    /// many.
+    pub const MAX_STEP: u64 = 1 << 32;
+}
+
 impl FromStr for SampleId {
     type Err = String;
 
@@ -59,6 +65,9 @@ impl FromStr for SampleId {
         match fields.as_deref() {
             Some(&[("pass", pass), ("pixel", pixel)]) => Ok(Self::Pixel { pass, pixel }),
             Some(&[("bootstrap", sample)]) => Ok(Self::Bootstrap { sample }),
+            Some(&[("chain", _), ("start", _), ("step", step)]) if step > Self::MAX_STEP => Err(
+                format!("a chain is repeated for at most {} steps", Self::MAX_STEP),
+            ),
             Some(&[("chain", chain), ("start", start), ("step", step)]) if step > 0 => {
                 Ok(Self::Mutation { chain, start, step })
             }
@@ -118,7 +127,7 @@ mod tests {
             SampleId::Mutation {
                 chain: 1,
                 start: 0,
-                step: u64::MAX,
+                step: SampleId::MAX_STEP,
             },
         ] {
             assert_eq!(id.to_string().parse(), Ok(id));
@@ -128,6 +137,7 @@ mod tests {
             "pass=1",
             "pass=1,pixel=-2",
             "chain=1,start=1,step=0",
+            "chain=1,start=1,step=4294967297",
             "bootstrap=1,x=2",
         ] {
             assert!(text.parse::<SampleId>().is_err(), "{text}");

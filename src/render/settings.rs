@@ -139,6 +139,9 @@ pub enum Budget {
     SamplesPerPixel(u64),
     /// Seconds of rendering, excluding loading and building.
     Seconds(f64),
+    /// This number of samples or mutations in all. With the number that a render with [`Budget::Seconds`] has
+    /// taken, and as many samples of the bootstrap or the pilot, the image is the same to the bit.
+    Samples(u64),
     /// Until the target error is reached or the observer cancels.
     Unlimited,
 }
@@ -196,7 +199,7 @@ impl Settings {
         const PILOT_SHARE: f64 = 0.03;
         match self.budget {
             Budget::Seconds(seconds) => start.elapsed().as_secs_f64() > PILOT_SHARE * seconds,
-            Budget::SamplesPerPixel(_) | Budget::Unlimited => false,
+            Budget::SamplesPerPixel(_) | Budget::Samples(_) | Budget::Unlimited => false,
         }
     }
 }

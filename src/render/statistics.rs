@@ -71,6 +71,8 @@ pub struct PssmltStatistics {
 /// Statistics of the Markov chains of `mmlt`.
 #[derive(Clone, Debug, Serialize)]
 pub struct MmltStatistics {
+    /// Samples of the pilot.
+    pub pilot_samples: u64,
     /// Luminance of a path, in units of the importance map, beyond which chains carry the residual.
     pub threshold: f32,
     /// Energy of a mutation, in units of the importance map and of one independent sample per pixel.

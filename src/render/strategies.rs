@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use super::clock::Clock;
-use super::passes::{PassLoop, Tile, TileBuffer};
+use super::passes::{BLOCK, PassLoop, Tile, TileBuffer};
 use super::{
     NonFinite, Observer, SampleId, Settings, Statistics, Warning, in_pool, pixel_count, warnings,
 };
@@ -103,11 +103,15 @@ pub fn strategies(
             observer,
         );
         while !clock.is_over(passes.samples()) {
-            let tiles =
-                passes.advance(&clock, |pixel, sampler, workspace, tile: &mut TilePaths| {
+            let block = clock.prompt_block(passes.samples(), BLOCK);
+            let tiles = passes.advance(
+                &clock,
+                block,
+                |pixel, sampler, workspace, tile: &mut TilePaths| {
                     let add = |path| tile.add(pixel, &path, techniques);
                     BidirectionalPathTracer.sample_paths(scene, sampler, workspace, add);
-                });
+                },
+            );
             pyramid.add(&tiles);
         }
         pyramid.finish(&passes, &clock)
@@ -124,16 +128,31 @@ pub fn check(scene: &Scene) -> Result<u32, StrategiesError> {
     Ok(edges)
 }
 
-fn check_memory(edges: u32, techniques: Techniques, pixels: u64) -> Result<(), StrategiesError> {
+/// Memory for the films of all techniques of up to `edges` edges, in bytes.
+pub fn memory_bytes(scene: &Scene, edges: u32) -> u64 {
+    let techniques = technique_count(edges, Techniques::of(scene));
+    film_bytes(techniques, pixel_count(scene))
+}
+
+fn film_bytes(techniques: u64, pixels: u64) -> u64 {
+    techniques
+        .saturating_mul(pixels)
+        .saturating_mul(PIXEL_BYTES)
+}
+
+/// The number of techniques, or an upper bound if it is large.
+fn technique_count(edges: u32, techniques: Techniques) -> u64 {
     // At most as many for each length as for the longest paths.
     let most = techniques.count(edges as usize) as u64;
-    let techniques = match edges {
+    match edges {
         0..=MAX_COUNTED => techniques.all(edges as usize).count() as u64,
         _ => u64::from(edges).saturating_mul(most),
-    };
-    let bytes = techniques
-        .saturating_mul(pixels)
-        .saturating_mul(PIXEL_BYTES);
+    }
+}
+
+fn check_memory(edges: u32, techniques: Techniques, pixels: u64) -> Result<(), StrategiesError> {
+    let techniques = technique_count(edges, techniques);
+    let bytes = film_bytes(techniques, pixels);
     if bytes <= MAX_BYTES {
         return Ok(());
     }

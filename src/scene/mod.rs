@@ -17,6 +17,7 @@
 pub mod bsdf;
 mod build;
 pub mod camera;
+pub mod coincident;
 pub mod description;
 pub mod geometry;
 pub mod interaction;

@@ -94,6 +94,14 @@ pub struct Bitmap {
 }
 
 impl Texture {
+    /// Size in memory, in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Texture::Bitmap(bitmap) => size_of_val(&*bitmap.pixels),
+            Texture::Constant(_) | Texture::Checkerboard { .. } => 0,
+        }
+    }
+
     /// Value at `uv`.
     #[inline]
     pub fn evaluate(&self, uv: Vec2) -> Rgb {

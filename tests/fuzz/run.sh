@@ -19,6 +19,6 @@ fuzz() {
 
 seconds=${2:-600}
 case "${1:-all}" in
-    all) for target in scene obj ply serialized image exr; do fuzz "$target"; done ;;
+    all) for target in scene obj ply serialized image exr reference records; do fuzz "$target"; done ;;
     *) fuzz "$1" ;;
 esac

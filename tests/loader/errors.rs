@@ -501,7 +501,7 @@ fn images_with_invalid_values_are_rejected() {
 fn invalid_scene_files_are_rejected() {
     let entities = "<!DOCTYPE a [<!ENTITY b \"x\">]><scene version=\"3.0.0\">&b;</scene>";
     for (text, place, phrase) in [
-        ("", "1:1", "broken XML"),
+        ("", "1:1", "the file is not XML"),
         (
             "<scene version=\"3.0.0\">\n<shape>\n</scene>",
             "3:1",

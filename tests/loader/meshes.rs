@@ -338,13 +338,14 @@ fn faulty_serialized_files_are_rejected() {
         (
             stream(4_000_000_000, 1, &[0.0; 9]),
             "",
-            "the data ends early",
+            "it claims 4000000000 vertices and 1 triangles, in all 48000000012 bytes",
         ),
         (
             stream(3, 4_000_000_000, &[0.0; 9]),
             "",
-            "the data ends early",
+            "it claims 3 vertices and 4000000000 triangles",
         ),
+        (stream(100_000, 1, &[0.0; 9]), "", "the data ends early"),
         (stream(3, 1, &[0.0; 12]), minus, "at least 0"),
         (stream(3, 1, &[f32::NAN; 12]), "", "position of vertex 0"),
         (stream(3, 1, &[1.0; 12]), "", "refers to vertex 1065353216"),

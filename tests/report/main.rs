@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 fn whole_page(place: &Workplace) -> Page {
     for command in [
         "converge room.xml --integrators bdpt,pssmlt --spp 4 --repeats 1 -o out -q",
-        "diagnose room.xml --chains 64 --steps 64 -o out -q",
+        "diagnose room.xml --integrator pssmlt --chains 64 --steps 64 -o out -q",
         "strategies room.xml --spp 2 --max-depth 3 -o out -q",
         "compare out/bdpt.exr out/reference.exr -o out",
         "render room.xml --integrator path --spp 4 -o out/path.exr -q",

@@ -183,7 +183,10 @@ impl Sweep {
                     relative_mse: error.mean,
                     found: found.mean,
                     found_error: found.standard_error(),
-                    told: lost.iter().map(wording::lost_light).collect(),
+                    told: lost
+                        .iter()
+                        .map(|lost| wording::lost_light(lost, None))
+                        .collect(),
                 }
             })
             .into()

@@ -5,20 +5,25 @@ use std::path::{Path, PathBuf};
 use metrolight::convergence::{
     Cost, Curve, Measure, Outcome, Variant, comparison, convergence_chart,
 };
-use metrolight::film::{Image, check_writable, write_exr, write_png};
+use metrolight::film::{Image, write_exr, write_png};
 use metrolight::plot::rasterize;
 use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
 use super::reference::Reference;
 use crate::commands::comparison::relative_map;
+use crate::commands::files::{Content, OutputFiles};
 use crate::commands::numbers::digits;
 use crate::commands::output;
+use crate::commands::rescue::rescue;
 
 const CSV: &str = "convergence.csv";
 const SVG: &str = "convergence.svg";
 const PNG: &str = "convergence.png";
 const JSON: &str = "convergence.json";
+
+/// The option that names the directory.
+const OPTION: &str = "-o";
 
 /// Pixels of the PNG chart per unit of the SVG.
 const PNG_SCALE: f32 = 1.5;
@@ -46,24 +51,37 @@ pub struct Files {
 }
 
 impl Files {
-    /// Makes `directory` if it does not exist. Fails before rendering if one of the files could not be
-    /// written.
-    pub fn prepare(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
+    /// Makes `directory` if it does not exist.
+    pub fn new(directory: &Path, variants: &[Variant]) -> miette::Result<Self> {
         output::make_directory(directory)?;
-        let files = Self {
+        Ok(Self {
             directory: directory.into(),
             stems: variants
                 .iter()
                 .map(|v| v.label.replace([' ', '='], "-"))
                 .collect(),
-        };
+        })
+    }
+
+    /// All files that are written, among them the reference if it is rendered.
+    pub fn outputs(&self, renders_reference: bool) -> OutputFiles {
+        let mut outputs = OutputFiles::default();
         for name in [CSV, SVG, PNG, JSON] {
-            check_writable(&files.path(name)).into_diagnostic()?;
+            outputs.add(self.path(name), Content::Text, OPTION);
         }
-        for path in files.stems.iter().flat_map(|stem| files.images(stem)) {
-            check_writable(&path).into_diagnostic()?;
+        for stem in &self.stems {
+            let [exr, png, error] = self.images(stem);
+            outputs.add(exr, Content::Linear { layers: 1 }, OPTION);
+            outputs.add(png, Content::Preview, OPTION);
+            outputs.add(error, Content::Preview, OPTION);
         }
-        Ok(files)
+        if renders_reference {
+            let reference = self.reference();
+            let preview = reference.with_extension("png");
+            outputs.add(reference, Content::Linear { layers: 2 }, OPTION);
+            outputs.add(preview, Content::Preview, OPTION);
+        }
+        outputs
     }
 
     /// Paths of a variant's image, of its preview, and of the image of its error.
@@ -88,8 +106,21 @@ impl Files {
         )
     }
 
+    /// Writes everything; if that fails, writes it elsewhere, and the error says where.
+    pub fn write_or_rescue(&self, results: &Results) -> miette::Result<()> {
+        self.write(results).map_err(|error| {
+            rescue(&self.directory, "converge", &error, |directory| {
+                let elsewhere = Self {
+                    directory: directory.into(),
+                    stems: self.stems.clone(),
+                };
+                elsewhere.write(results)
+            })
+        })
+    }
+
     /// Writes everything.
-    pub fn write(&self, results: &Results) -> miette::Result<()> {
+    fn write(&self, results: &Results) -> miette::Result<()> {
         let Results {
             reference,
             variants,

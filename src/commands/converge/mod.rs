@@ -14,9 +14,11 @@ use self::files::{Files, Results};
 use self::reference::RenderOptions;
 use self::sweep::Sweep;
 use super::names::IntegratorName;
+use super::numbers::duration;
+use super::progress::Progress;
 use super::run_args::RunArgs;
 use super::source::{Opened, SceneArgs};
-use super::{Outcome, eprint, interrupt, output, print, values, warn, wording};
+use super::{Outcome, eprint, interrupt, memory, output, print, values, warn, wording};
 
 /// Chart the error of integrators against time
 ///
@@ -36,14 +38,20 @@ Examples:
   metrolight converge scene.xml --integrators pssmlt --time 20s -o chart \\
       --sweep large-step-probability=0.05,0.1,0.3,0.6
 
-Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (complete renders are charted)"
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP (complete
+renders are charted)"
 )]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
     /// Integrators to measure; the first is the baseline that the others are compared with
-    #[arg(long, value_name = "NAME,...", required = true, value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        default_value = "bdpt,mmlt",
+        value_delimiter = ','
+    )]
     integrators: Vec<IntegratorName>,
 
     /// Time of each render (60s, 2m, 1.5h, or seconds) [default: 60s]
@@ -51,11 +59,11 @@ pub struct Args {
     time: Option<f64>,
 
     /// Samples (for pssmlt mutations) per pixel of each render, instead of --time
-    #[arg(long, value_name = "N", value_parser = values::positive, conflicts_with = "time")]
+    #[arg(long, value_name = "N", value_parser = values::samples, conflicts_with = "time")]
     spp: Option<u64>,
 
     /// Number of renders of each integrator; each has its own seed, counting up from --seed
-    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 5)]
+    #[arg(long, value_name = "N", value_parser = values::repeats, default_value_t = 5)]
     repeats: u64,
 
     /// Directory for all files; made if it does not exist
@@ -75,7 +83,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        value_parser = values::positive,
+        value_parser = values::repeats,
         conflicts_with = "reference",
         default_value_t = 10
     )]
@@ -100,12 +108,27 @@ const DEFAULT_SECONDS: f64 = 60.0;
 /// Loads the scene, reads or renders the reference, measures the renders and writes the results.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     let variants = args.variants()?;
-    let files = Files::prepare(&args.output, &variants)?;
+    let files = Files::new(&args.output, &variants)?;
+    let outputs = files.outputs(args.reference.is_none());
+    let inputs = [Some(&args.scene.path), args.reference.as_ref()];
+    outputs.protect(&inputs.into_iter().flatten().collect::<Vec<_>>())?;
+    outputs.check_writable(0)?;
     interrupt::listen()?;
     let mut opened = args.scene.open(args.run.threads)?;
+    outputs.protect(&opened.files)?;
+    outputs.check_writable(opened.pixels())?;
+    for Variant { settings, .. } in &variants {
+        // The reference, and an image of each variant.
+        let images = (variants.len() as u64 + 2).saturating_mul(3 * 4);
+        let images = opened.pixels().saturating_mul(images);
+        memory::check(settings, opened.pixels(), images)?;
+    }
     warn(&opened.warnings);
-    warn(lost(&mut opened, &variants));
     let progress = args.run.progress();
+    warn(lost(&mut opened, &variants, &progress));
+    if !args.run.quiet {
+        args.announce(variants.len());
+    }
 
     // Read or render the reference.
     let reference = match &args.reference {
@@ -122,7 +145,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         }
     };
     if !args.run.quiet {
-        print(&reference.description);
+        print(&reference.description)?;
     }
 
     // Measure.
@@ -145,7 +168,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let curves: Vec<Curve> = (0..variants.len())
         .map(|i| Curve::new(&outcome.measurements, i))
         .collect();
-    files.write(&Results {
+    files.write_or_rescue(&Results {
         scene_name: &args.scene.name()?,
         settings: args.settings_json(&opened),
         reference: &reference,
@@ -156,8 +179,8 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     })?;
     warn(reference.doubt(&curves));
     if !args.run.quiet {
-        print(files::summary(&variants, &curves));
-        print(files.wrote());
+        print(files::summary(&variants, &curves))?;
+        print(files.wrote())?;
     }
     if outcome.interrupted {
         eprint("interrupted: the chart holds the complete renders");
@@ -167,7 +190,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
 }
 
 /// Warnings of light that an integrator cannot find: it is part of the error if the reference has it.
-fn lost(opened: &mut Opened, variants: &[Variant]) -> Vec<String> {
+fn lost(opened: &mut Opened, variants: &[Variant], progress: &Progress) -> Vec<String> {
     let usual = opened.scene.casters.search();
     let mut lines = Vec::new();
     for variant in variants {
@@ -175,7 +198,8 @@ fn lost(opened: &mut Opened, variants: &[Variant]) -> Vec<String> {
             .scene
             .casters
             .set_search(variant.search.unwrap_or(usual));
-        let lost = opened.lost_light(variant.settings.method().techniques());
+        let method = variant.settings.method();
+        let lost = opened.lost_light(method.techniques(), Some(method), progress);
         lines.extend(lost.iter().map(|lost| format!("{}: {lost}", variant.label)));
     }
     opened.scene.casters.set_search(usual);
@@ -199,6 +223,32 @@ fn limits(warnings: &[(usize, Warning)], variants: &[Variant]) -> Vec<String> {
 }
 
 impl Args {
+    /// Says how long the experiment takes, if it is long and time ends its renders.
+    fn announce(&self, variants: usize) {
+        /// Seconds that need no announcement.
+        const LONG: f64 = 180.0;
+        let Budget::Seconds(seconds) = self.budget() else {
+            return;
+        };
+        let renders = variants as u64 * self.repeats;
+        let reference = match self.reference {
+            Some(_) => 0.0,
+            None => self.reference_effort as f64 * seconds,
+        };
+        let total = reference + renders as f64 * seconds;
+        if total > LONG {
+            let each = duration(seconds);
+            let after = match self.reference {
+                Some(_) => String::new(),
+                None => format!(", after a reference of {}", duration(reference)),
+            };
+            eprint(format_args!(
+                "this takes about {}: {renders} renders of {each}{after}",
+                duration(total)
+            ));
+        }
+    }
+
     fn budget(&self) -> Budget {
         match (self.spp, self.time) {
             (Some(n), _) => Budget::SamplesPerPixel(n),
@@ -260,7 +310,7 @@ impl Args {
                     Budget::SamplesPerPixel(n.saturating_mul(self.reference_effort))
                 }
                 Budget::Seconds(seconds) => Budget::Seconds(seconds * self.reference_effort as f64),
-                Budget::Unlimited => Budget::Unlimited,
+                budget @ (Budget::Samples(_) | Budget::Unlimited) => budget,
             },
             // No repeat may have this seed: its image would be correlated with the reference.
             seed: !self.seed,
@@ -272,7 +322,7 @@ impl Args {
         let film = &opened.scene.film;
         serde_json::json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "scene": self.scene.path,
+            "scene": self.scene.path.to_string_lossy(),
             "size": [film.width, film.height],
             "max_depth": opened.scene.depth.max_depth,
             "budget": output::budget_json(self.budget()),

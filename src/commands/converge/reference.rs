@@ -10,6 +10,7 @@ use metrolight::scene::Scene;
 use miette::{IntoDiagnostic, bail};
 
 use crate::commands::numbers::{digits, duration};
+use crate::commands::output::Outputs;
 use crate::commands::progress::Progress;
 use crate::commands::source::{Opened, SceneArgs};
 use crate::commands::statistics::json;
@@ -86,11 +87,13 @@ pub fn render(
         .collect();
     warn(&warnings);
     let report = json(args, opened, &settings, &rendering, &warnings).into_diagnostic()?;
-    output::write_rendering(path, &rendering, None, &report)?;
+    Outputs::new(path.into(), None).write_or_rescue(&rendering, &report)?;
     let relative_mse = rendering.error.as_ref().map(|error| error.relative_mse);
     let spent = match options.budget {
         Budget::SamplesPerPixel(n) => format!("{n} samples per pixel"),
-        Budget::Seconds(_) | Budget::Unlimited => duration(rendering.statistics.render_seconds),
+        Budget::Seconds(_) | Budget::Samples(_) | Budget::Unlimited => {
+            duration(rendering.statistics.render_seconds)
+        }
     };
     let name = options.method.name();
     let description = format!("reference: {name}, {spent}; {}", trust(relative_mse));

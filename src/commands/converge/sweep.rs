@@ -35,7 +35,7 @@ impl Value {
         match option {
             "large-step-probability" => values::probability(text).map(Self::LargeStepProbability),
             "chains" => values::chains(text).map(Self::Chains),
-            "bootstrap" => values::positive(text).map(Self::Bootstrap),
+            "bootstrap" => values::bootstrap(text).map(Self::Bootstrap),
             "threads" => values::threads(text).map(Self::Threads),
             "small-step" => values::small_step(text).map(Self::SmallStep),
             "threshold" => values::threshold(text).map(Self::Threshold),

@@ -9,16 +9,19 @@ const BINS: usize = 20;
 /// Maximum number of points of a trace in its chart.
 const TRACE_POINTS: usize = 1000;
 
+/// File names of all charts.
+pub const FILES: [&str; 3] = ["traces.svg", "p-values.svg", "tiles.svg"];
+
 /// File names and SVG documents of all charts.
 pub fn all(diagnosis: &Diagnosis) -> Result<Vec<(&'static str, String)>, PlotError> {
     let quality = &diagnosis.quality;
     Ok(vec![
         (
-            "traces.svg",
+            FILES[0],
             draw(&[traces(quality), autocorrelation(quality)], 2)?,
         ),
-        ("p-values.svg", draw(&[p_values(diagnosis)], 1)?),
-        ("tiles.svg", draw_heat_maps(&tiles(quality))?),
+        (FILES[1], draw(&[p_values(diagnosis)], 1)?),
+        (FILES[2], draw_heat_maps(&tiles(quality))?),
     ])
 }
 

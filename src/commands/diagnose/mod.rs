@@ -10,13 +10,14 @@ use clap::ValueEnum;
 use metrolight::diagnosis::{
     DiagnoseError, Diagnosis, DiagnosisBudget, MmltChains, MmltSamples, PssmltChains, diagnose,
 };
-use metrolight::film::check_writable;
 use metrolight::render::{Method, MmltSettings, PssmltSettings};
 use metrolight::scene::Scene;
-use miette::IntoDiagnostic;
+use miette::{IntoDiagnostic, bail};
 use serde_json::{Value, json};
 
+use super::files::{Content, OutputFiles};
 use super::integrator_args::check_applies;
+use super::names::DEFAULT;
 use super::output::{make_directory, write_json, write_text};
 use super::progress::Progress;
 use super::source::SceneArgs;
@@ -33,10 +34,9 @@ use super::{Outcome, eprint, interrupt, print, values, warn};
     allow_negative_numbers = true,
     after_help = "\
 Examples:
-  metrolight diagnose scenes/cornell/scene.xml
+  metrolight diagnose scenes/pool/scene.xml
   metrolight diagnose scenes/pool/scene.xml --alpha 1e-4 --json -o pool-chains
-  metrolight diagnose scene.xml --large-step-probability 0.1
-  metrolight diagnose scenes/pool/scene.xml --integrator mmlt
+  metrolight diagnose scene.xml --integrator pssmlt --large-step-probability 0.1
 
 Exit codes: 0 no test rejects, 1 the chains are not stationary, 2 bad input, 130 interrupted"
 )]
@@ -45,7 +45,7 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Integrator whose chains are tested
-    #[arg(long, default_value_t = ChainIntegrator::Pssmlt, value_enum)]
+    #[arg(long, default_value_t = ChainIntegrator::DEFAULT, value_enum)]
     integrator: ChainIntegrator,
 
     /// Significance level: the probability of rejecting correct chains
@@ -66,7 +66,7 @@ pub struct Args {
     chains: u64,
 
     /// Number of steps of each long chain
-    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = DiagnosisBudget::default().steps)]
+    #[arg(long, value_name = "N", value_parser = values::steps, default_value_t = DiagnosisBudget::default().steps)]
     steps: u64,
 
     /// Seed of the random numbers
@@ -99,6 +99,13 @@ enum ChainIntegrator {
     Mmlt,
 }
 
+impl ChainIntegrator {
+    const DEFAULT: Self = match DEFAULT {
+        Method::Pssmlt => Self::Pssmlt,
+        _ => Self::Mmlt,
+    };
+}
+
 impl From<ChainIntegrator> for Method {
     fn from(integrator: ChainIntegrator) -> Self {
         match integrator {
@@ -115,26 +122,35 @@ const TEXT_FILE: &str = "diagnose.txt";
 /// Loads the scene, diagnoses the chains, and prints and writes the results.
 pub fn run(args: &Args) -> miette::Result<Outcome> {
     args.check()?;
+    let mut outputs = OutputFiles::default();
     if let Some(directory) = &args.output {
         make_directory(directory)?;
-        check_writable(&directory.join(JSON_FILE)).into_diagnostic()?;
+        for name in [JSON_FILE, TEXT_FILE].iter().chain(&charts::FILES) {
+            outputs.add(directory.join(name), Content::Text, "-o");
+        }
     }
+    outputs.protect(&[&args.scene.path])?;
+    outputs.check_writable(0)?;
     interrupt::listen()?;
     rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.unwrap_or(0))
         .build_global()
         .into_diagnostic()?;
     let mut opened = args.scene.open(args.threads)?;
+    outputs.protect(&opened.files)?;
     warn(&opened.warnings);
     let method = Method::from(args.integrator);
-    warn(opened.lost_light(method.techniques()));
-    let budget = args.budget();
     let progress = Progress::new(args.quiet, stderr().is_terminal());
+    warn(opened.lost_light(method.techniques(), Some(method), &progress));
+    let budget = args.budget();
     let diagnosis = match args.diagnose(&mut opened.scene, &budget, &progress) {
         Err(DiagnoseError::Interrupted) => {
             progress.finish();
             eprint("interrupted: nothing is written");
             return Ok(Outcome::Interrupted);
+        }
+        Err(error @ DiagnoseError::NoResidual(_)) => {
+            bail!("{error}; give --integrator pssmlt, whose chains carry all light")
         }
         done => done.into_diagnostic()?,
     };
@@ -143,17 +159,17 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let verdict = text::verdict(&diagnosis, args.alpha);
     let json = args.report(&budget, &diagnosis, &verdict)?;
     let text = format!("{verdict}\n\n{}", text::tables(&diagnosis, args.alpha));
-    if args.json {
-        print(format_args!("{json:#}"));
-    } else {
-        print(&text);
-    }
     if let Some(directory) = &args.output {
         write_all(directory, &json, &text, &diagnosis)?;
         eprint(format_args!(
             "wrote {JSON_FILE}, {TEXT_FILE} and charts to {}",
             directory.display()
         ));
+    }
+    if args.json {
+        print(format_args!("{json:#}"))?;
+    } else {
+        print(&text)?;
     }
     Ok(if diagnosis.rejections(args.alpha).is_empty() {
         Outcome::Done
@@ -245,7 +261,7 @@ impl Args {
         }
         Ok(json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "scene": self.scene.path,
+            "scene": self.scene.path.to_string_lossy(),
             "integrator": Method::from(self.integrator),
             "alpha": self.alpha,
             "budget": budget,

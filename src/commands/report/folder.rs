@@ -1,5 +1,6 @@
 //! The directory that a report reads.
 
+use std::cell::RefCell;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub struct Folder<'a> {
     pub path: &'a Path,
     /// File names in it, sorted.
     pub names: Vec<PathBuf>,
+    /// The files that have been read.
+    read: RefCell<Vec<PathBuf>>,
 }
 
 /// A picture in the page.
@@ -49,7 +52,23 @@ impl<'a> Folder<'a> {
             miette!("cannot read {}: {cause}; {EXPECTED}", path.display())
         })?;
         names.sort();
-        Ok(Self { path, names })
+        Ok(Self {
+            path,
+            names,
+            read: RefCell::default(),
+        })
+    }
+
+    /// The path of a file that is about to be read.
+    pub fn locate(&self, name: impl AsRef<Path>) -> PathBuf {
+        let path = self.path.join(name);
+        self.read.borrow_mut().push(path.clone());
+        path
+    }
+
+    /// The files that have been read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.read.borrow().clone()
     }
 
     /// The contents of a file; `None` if it is not in the directory. Names of files outside the
@@ -58,7 +77,7 @@ impl<'a> Folder<'a> {
         if !self.names.iter().any(|known| known.as_os_str() == name) {
             return Ok(None);
         }
-        let path = self.path.join(name);
+        let path = self.locate(name);
         let bytes = fs::read(&path);
         let bytes = bytes.map_err(|error| miette!("cannot read {}: {error}", path.display()))?;
         Ok(Some(bytes))

@@ -10,6 +10,7 @@ use metrolight::film::{AnnotatedImage, AttributeValue, Decode, Image, read_annot
 use serde::Serialize;
 
 use super::folder::Folder;
+use crate::commands::mixture::mixtures;
 use crate::commands::numbers::short;
 use crate::commands::warn;
 
@@ -23,9 +24,9 @@ const REFERENCE: &str = "reference";
 /// Prefix of the attributes of images that Metrolight renders.
 const PREFIX: &str = "metrolight.";
 
-/// Attribute of the images of single techniques. They are not shown: there are many, and the contact
-/// sheets show them.
-const TECHNIQUE: &str = "metrolight.technique.s";
+/// Prefix of the attributes of images of single techniques. They are not shown: there are many, and the
+/// contact sheets show them.
+const TECHNIQUE: &str = "metrolight.technique.";
 
 /// An image in the directory.
 pub struct Found {
@@ -53,7 +54,7 @@ pub fn find(folder: &Folder, variants: &[String]) -> Vec<Found> {
         if !extension.eq_ignore_ascii_case("exr") {
             continue;
         }
-        let path = folder.path.join(name);
+        let path = folder.locate(name);
         let image = match read_annotated(&path, Decode::Srgb) {
             Ok(image) => image,
             Err(error) => {
@@ -61,6 +62,7 @@ pub fn find(folder: &Folder, variants: &[String]) -> Vec<Found> {
                 continue;
             }
         };
+        warn(mixtures(&path, &image));
         let stem = stem(name);
         let order = order(&stem);
         if order.is_some() || is_render(&image) {
@@ -81,8 +83,11 @@ fn stem(name: &Path) -> String {
 
 /// True if Metrolight rendered the image, and it is not the image of a single technique.
 fn is_render(image: &AnnotatedImage) -> bool {
-    let mut names = image.attributes.keys();
-    names.any(|name| name.starts_with(PREFIX)) && !image.attributes.contains_key(TECHNIQUE)
+    let has = |prefix: &str| {
+        let mut names = image.attributes.keys();
+        names.any(|name| name.starts_with(prefix))
+    };
+    has(PREFIX) && !has(TECHNIQUE)
 }
 
 fn with_attributes(stem: String, image: AnnotatedImage) -> Found {

@@ -9,11 +9,11 @@ mod sections;
 use std::path::{Path, PathBuf};
 
 use askama::Template;
-use metrolight::film::check_writable;
 use miette::{IntoDiagnostic, bail};
 
 use self::folder::{EXPECTED, Folder};
 use self::page::{Page, SCRIPT, STYLE, Viewer};
+use super::files::{Content, OutputFiles};
 use super::output::write_text;
 use super::{Outcome, print, values, warn};
 
@@ -26,7 +26,7 @@ use super::{Outcome, print, values, warn};
 #[command(after_help = "\
 Examples:
   metrolight converge scenes/cornell/scene.xml --integrators bdpt,pssmlt --time 20s -o cornell
-  metrolight diagnose scenes/cornell/scene.xml -o cornell
+  metrolight diagnose scenes/cornell/scene.xml --integrator pssmlt -o cornell
   metrolight report cornell                          writes cornell/report.html
   metrolight report cornell -o cornell.html
 
@@ -37,7 +37,7 @@ pub struct Args {
     directory: PathBuf,
 
     /// HTML file to write [default: DIR/report.html]
-    #[arg(short, long, value_name = "FILE.html", value_parser = values::html_path)]
+    #[arg(short, long, value_name = "FILE.html", value_parser = values::html_path())]
     output: Option<PathBuf>,
 
     /// Print nothing but warnings and errors
@@ -52,7 +52,9 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
         Some(path) => path.clone(),
         None => args.directory.join("report.html"),
     };
-    check_writable(&output).into_diagnostic()?;
+    let mut outputs = OutputFiles::default();
+    outputs.add(&output, Content::Text, "-o");
+    outputs.check_writable(0)?;
 
     // Read the sections.
     let convergence = sections::convergence(&folder)?;
@@ -80,6 +82,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     }
 
     // Write the page.
+    outputs.protect(&folder.inputs())?;
     if let Some(joined) = page.images.as_ref().map(|viewer| viewer.joined)
         && joined > 1
     {
@@ -93,7 +96,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
             "wrote {}: {}",
             output.display(),
             shown.join(", ")
-        ));
+        ))?;
     }
     Ok(Outcome::Done)
 }

@@ -83,10 +83,11 @@ pub struct Strategies {
     pub techniques: Vec<Technique>,
 }
 
-/// A technique (s, t).
+/// A technique (s, t), or 1* with `specular` delta vertices.
 #[derive(Deserialize)]
 pub struct Technique {
-    pub s: u32,
+    pub s: Option<u32>,
+    pub specular: Option<u32>,
     pub t: u32,
     pub edges: u32,
     pub mean_luminance_unweighted: f64,

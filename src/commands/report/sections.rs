@@ -296,7 +296,10 @@ fn strategies_table(record: Strategies) -> StrategiesTable {
     let rows = record.techniques.iter().map(|technique| {
         let share = technique.share;
         [
-            format!("({}, {})", technique.s, technique.t),
+            match (technique.s, technique.specular) {
+                (Some(s), _) => format!("({s}, {})", technique.t),
+                (None, n) => format!("(1*, {}) by {} delta vertices", technique.t, n.unwrap_or(0)),
+            },
             technique.edges.to_string(),
             digits(technique.mean_luminance_unweighted),
             digits(technique.mean_luminance_weighted),

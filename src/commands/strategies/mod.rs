@@ -5,8 +5,8 @@ mod sheet;
 
 use std::path::{Path, PathBuf};
 
-use metrolight::film::{check_writable, write_exr};
-use metrolight::render::strategies::check;
+use metrolight::film::write_exr;
+use metrolight::render::strategies::{check, memory_bytes};
 use metrolight::render::{Budget, Method, Settings, Strategies, strategies};
 use metrolight::technique::{Technique, TechniqueSet, Techniques};
 use miette::{IntoDiagnostic, bail};
@@ -14,11 +14,15 @@ use serde_json::{Value, json};
 
 use self::shares::{Kind, Shares, edges_text, percent};
 use self::sheet::{exposures, sheet};
+use super::files::{Content, OutputFiles};
 use super::numbers::{duration, quantity};
+use super::rescue::rescue;
 use super::run_args::RunArgs;
 use super::source::SceneArgs;
 use super::values::MaxDepth;
-use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, warn_more, wording};
+use super::{
+    Outcome, eprint, interrupt, memory, output, print, replay, values, warn, warn_more, wording,
+};
 
 /// Render each technique (s, t) of bidirectional path tracing separately
 ///
@@ -28,7 +32,7 @@ use super::{Outcome, eprint, interrupt, output, print, replay, values, warn, war
 /// seed and --spp. Two contact sheets show the techniques as in Veach (1997, figures 10.3 and 10.4).
 #[derive(clap::Args)]
 #[command(
-    mut_arg("max_depth", |arg| arg.help(depth_help())),
+    mut_arg("max_depth", |arg| arg.help(depth_help()).value_parser(values::edges)),
     allow_negative_numbers = true,
     after_help = "\
 Examples:
@@ -38,7 +42,8 @@ Examples:
 Files in DIR: unweighted.png and weighted.png (contact sheets), strategies.json (means and shares), and
 linear images unweighted_sS_tT.exr and weighted_sS_tT.exr.
 
-Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C (the images so far are written)"
+Exit codes: 0 done, 2 bad input, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP (the
+images so far are written)"
 )]
 pub struct Args {
     #[command(flatten)]
@@ -49,7 +54,7 @@ pub struct Args {
     output: PathBuf,
 
     /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = values::positive, default_value_t = 32)]
+    #[arg(long, value_name = "N", value_parser = values::samples, default_value_t = 32)]
     spp: u64,
 
     /// Seed of the random numbers
@@ -96,16 +101,21 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
         ..Settings::new(Method::Bdpt)
     };
     let edges = check(&opened.scene).into_diagnostic()?;
-    prepare(&args.output, Techniques::of(&opened.scene), edges)?;
+    let outputs = outputs(&args.output, Techniques::of(&opened.scene), edges);
+    outputs.protect(&opened.files)?;
+    output::make_directory(&args.output)?;
+    outputs.check_writable(opened.pixels())?;
+    let bytes = memory_bytes(&opened.scene, edges);
+    memory::check_images("the images of all techniques", bytes)?;
     interrupt::listen()?;
     let mut warnings = opened.warnings.clone();
-    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional));
+    let progress = args.run.progress();
+    warnings.extend(opened.lost_light(TechniqueSet::Bidirectional, None, &progress));
     warn(&warnings);
     if !args.run.quiet {
         eprint(opened.times());
     }
 
-    let progress = args.run.progress();
     let rendering = strategies(&opened.scene, &settings, &progress).into_diagnostic()?;
     progress.finish();
     warn_more(
@@ -119,9 +129,10 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
     }
 
     let shares = Shares::of(&rendering);
-    write(&args, edges, &rendering, &shares, &warnings)?;
+    let write = |directory: &Path| write(&args, directory, edges, &rendering, &shares, &warnings);
+    write(&args.output).map_err(|error| rescue(&args.output, "strategies", &error, write))?;
     if !args.run.quiet {
-        print(summary(&args, &rendering, &shares));
+        print(summary(&args, &rendering, &shares))?;
     }
     if rendering.interrupted {
         eprint("interrupted: the images hold the samples taken so far");
@@ -130,21 +141,24 @@ pub fn run(mut args: Args) -> miette::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Makes the directory and checks that all files can be written.
-fn prepare(directory: &Path, techniques: Techniques, edges: u32) -> miette::Result<()> {
-    output::make_directory(directory)?;
+/// All files that are written to `directory`.
+fn outputs(directory: &Path, techniques: Techniques, edges: u32) -> OutputFiles {
+    let mut outputs = OutputFiles::default();
     for kind in Kind::ALL {
-        check_writable(&directory.join(kind.sheet())).into_diagnostic()?;
+        outputs.add(directory.join(kind.sheet()), Content::Text, "-o");
         for technique in techniques.all(edges as usize) {
-            check_writable(&directory.join(kind.exr(technique))).into_diagnostic()?;
+            let linear = Content::Linear { layers: 1 };
+            outputs.add(directory.join(kind.exr(technique)), linear, "-o");
         }
     }
-    check_writable(&directory.join(JSON)).into_diagnostic()
+    outputs.add(directory.join(JSON), Content::Text, "-o");
+    outputs
 }
 
 /// Writes the images, the contact sheets and the JSON file.
 fn write(
     args: &Args,
+    directory: &Path,
     edges: u32,
     rendering: &Strategies,
     shares: &Shares,
@@ -152,7 +166,7 @@ fn write(
 ) -> miette::Result<()> {
     let mut report = json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "scene": args.scene.path,
+        "scene": args.scene.path.to_string_lossy(),
         "defines": args.scene.defines.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "max_depth": edges,
         "samples_per_pixel": args.spp,
@@ -166,7 +180,7 @@ fn write(
             let mut technique = json!({ "technique": names(images.technique) });
             technique["technique"]["image"] = json!(kind.name());
             attributes.extend(output::attributes(&technique));
-            let path = args.output.join(kind.exr(images.technique));
+            let path = directory.join(kind.exr(images.technique));
             write_exr(&path, kind.of(images), &[], &attributes).into_diagnostic()?;
         }
     }
@@ -182,12 +196,12 @@ fn write(
     );
     for kind in Kind::ALL {
         let png = sheet(kind, rendering, shares, &exposures, &note)?;
-        output::write_bytes(&args.output.join(kind.sheet()), &png)?;
+        output::write_bytes(&directory.join(kind.sheet()), &png)?;
     }
     report["mean_luminance"] = json!(shares.total);
     report["exposures"] = json!(exposures);
     report["techniques"] = table(rendering, shares);
-    output::write_json(&args.output.join(JSON), &report)
+    output::write_json(&directory.join(JSON), &report)
 }
 
 fn table(rendering: &Strategies, shares: &Shares) -> Value {

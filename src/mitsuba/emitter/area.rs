@@ -10,8 +10,7 @@ use crate::scene::{EmitterDescription, Radiance};
 pub fn radiance(builder: &mut Builder, object: &Object) -> Result<Radiance, LoadError> {
     match object.find("radiance").map(|property| &property.value) {
         Some(&Value::Object(index)) => {
-            let range = texture::Range::UnitInterval;
-            texture::texture(builder, index, range).map(Radiance::Texture)
+            texture::texture(builder, index, texture::Range::Any).map(Radiance::Texture)
         }
         _ => emission(object, "radiance").map(Radiance::Constant),
     }

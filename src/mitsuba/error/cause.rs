@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::suggestion::{listed, suggestion};
+use super::suggestion::{listed, shown, shown_long, suggestion};
 use crate::film::ReadImageError;
 use crate::mitsuba::mesh::MeshError;
 use crate::mitsuba::source::Place;
@@ -12,7 +12,7 @@ use crate::mitsuba::source::Place;
 #[derive(Debug, thiserror::Error)]
 pub enum Cause {
     /// A file is missing or cannot be read.
-    #[error("cannot read {}: {error}", path.display())]
+    #[error("cannot read {}: {error}", shown_long(path.display()))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -20,7 +20,7 @@ pub enum Cause {
         error: io::Error,
     },
     /// A scene file that exceeds the size limit.
-    #[error("{}: the file has {bytes} bytes, more than the {limit} allowed", path.display())]
+    #[error("{}: the file has {bytes} bytes, more than the {limit} allowed", shown_long(path.display()))]
     FileTooLarge {
         /// The file.
         path: PathBuf,
@@ -32,18 +32,25 @@ pub enum Cause {
     /// The text is not in the encoding that the file declares.
     #[error("the file is not valid {0}, the encoding that it declares; save it as UTF-8")]
     Encoding(&'static str),
+    /// The file does not begin like a scene file.
+    #[error("the file is not XML: a scene file begins with <scene>")]
+    NotXml,
     /// Not well-formed XML.
-    #[error("broken XML: {0}")]
+    #[error("broken XML: {}", shown_long(.0))]
     Xml(String),
+    /// An element has too many attributes.
+    #[error("an element with more than {0} attributes")]
+    TooManyAttributes(usize),
     /// `version` is missing or malformed.
     #[error("the root element needs a version such as version=\"3.0.0\"{}", found(.0))]
     Version(Option<String>),
     /// The root element is not `<scene>`.
-    #[error("a scene file begins with <scene>, not <{0}>")]
+    #[error("a scene file begins with <scene>, not <{}>", shown(.0))]
     NotAScene(String),
     /// An element that is not allowed at its place.
     #[error(
-        "unexpected element <{found}> in <{parent}>{}",
+        "unexpected element <{}> in <{parent}>{}",
+        shown(found),
         suggestion(found, known)
     )]
     UnknownElement {
@@ -55,7 +62,11 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// An attribute that the element does not have.
-    #[error("<{element}> has no attribute `{found}`{}", suggestion(found, known))]
+    #[error(
+        "<{element}> has no attribute `{}`{}",
+        shown(found),
+        suggestion(found, known)
+    )]
     UnknownAttribute {
         /// The element.
         element: String,
@@ -73,7 +84,7 @@ pub enum Cause {
         attribute: String,
     },
     /// A type of shape, BSDF, ... that is not supported.
-    #[error("unknown {kind} type `{found}`{}", suggestion(found, known))]
+    #[error("unknown {kind} type `{}`{}", shown(found), suggestion(found, known))]
     UnknownPlugin {
         /// The name of its element.
         kind: String,
@@ -83,7 +94,12 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// A parameter that is not supported.
-    #[error("{owner} has no parameter `{found}`{}", suggestion(found, known))]
+    #[error(
+        "{} has no parameter `{}`{}",
+        shown(owner),
+        shown(found),
+        suggestion(found, known)
+    )]
     UnknownParameter {
         /// The object.
         owner: String,
@@ -93,7 +109,7 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// A nested object that its owner does not accept.
-    #[error("{owner} does not accept {child}{}", listed(known))]
+    #[error("{} does not accept {}{}", shown(owner), shown(child), listed(known))]
     UnexpectedChild {
         /// The enclosing object.
         owner: String,
@@ -103,7 +119,7 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// A required parameter is missing.
-    #[error("{owner} needs {parameter}")]
+    #[error("{} needs {parameter}", shown(owner))]
     MissingParameter {
         /// The object.
         owner: String,
@@ -111,7 +127,7 @@ pub enum Cause {
         parameter: String,
     },
     /// A parameter is given twice.
-    #[error("`{name}` is given twice; first at {first}")]
+    #[error("`{}` is given twice; first at {first}", shown(name))]
     DuplicateParameter {
         /// The parameter.
         name: String,
@@ -119,7 +135,7 @@ pub enum Cause {
         first: Place,
     },
     /// A parameter has the wrong type.
-    #[error("`{name}` must be {expected}, not {found}")]
+    #[error("`{}` must be {expected}, not {}", shown(name), shown(found))]
     WrongType {
         /// The parameter.
         name: String,
@@ -129,7 +145,7 @@ pub enum Cause {
         found: String,
     },
     /// Text that cannot be parsed as a value.
-    #[error("`{text}` is not {expected}")]
+    #[error("`{}` is not {expected}", shown(text))]
     Malformed {
         /// The text.
         text: String,
@@ -137,7 +153,7 @@ pub enum Cause {
         expected: String,
     },
     /// A name outside a closed set.
-    #[error("unknown {what} `{found}`{}", suggestion(found, known))]
+    #[error("unknown {what} `{}`{}", shown(found), suggestion(found, known))]
     UnknownName {
         /// The kind of thing it names.
         what: String,
@@ -147,7 +163,7 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// A value outside its range.
-    #[error("`{name}` is {found}; it must be {range}")]
+    #[error("`{}` is {}; it must be {range}", shown(name), shown(found))]
     OutOfRange {
         /// The parameter.
         name: String,
@@ -164,8 +180,10 @@ pub enum Cause {
     Conflict(String),
     /// A `$variable` without a value.
     #[error(
-        "`${found}` has no value: give one with an earlier <default> or with \
-         -D {found}=VALUE{}",
+        "`${}` has no value: give one with an earlier <default> or with \
+         -D {}=VALUE{}",
+        shown(found),
+        shown(found),
         suggestion(found, known)
     )]
     UndefinedVariable {
@@ -181,7 +199,7 @@ pub enum Cause {
     #[error("after substitution of its $variables the scene is longer than {0} bytes")]
     SubstitutionTooMuch(usize),
     /// A reference to an id that does not exist.
-    #[error("no object has the id `{found}`{}", suggestion(found, known))]
+    #[error("no object has the id `{}`{}", shown(found), suggestion(found, known))]
     MissingReference {
         /// The id.
         found: String,
@@ -189,7 +207,10 @@ pub enum Cause {
         known: Vec<String>,
     },
     /// A reference to an id that is given twice.
-    #[error("two objects have the id `{id}`: the one at {first} and the one at {second}")]
+    #[error(
+        "two objects have the id `{}`: the one at {first} and the one at {second}",
+        shown(id)
+    )]
     DuplicateId {
         /// The id.
         id: String,
@@ -202,7 +223,7 @@ pub enum Cause {
     #[error("circular reference: {0}")]
     ReferenceCycle(String),
     /// Files that include each other.
-    #[error("circular include: {} includes itself", .0.display())]
+    #[error("circular include: {} includes itself", shown_long(.0.display()))]
     IncludeCycle(PathBuf),
     /// Too many files are included.
     #[error("more than {0} files are included")]
@@ -211,7 +232,7 @@ pub enum Cause {
     #[error("nested more than {0} levels deep")]
     NestedTooDeep(usize),
     /// A mesh file cannot be used.
-    #[error("{}{}: {}", path.display(), error.position(), error)]
+    #[error("{}{}: {}", shown_long(path.display()), error.position(), shown_long(error))]
     Mesh {
         /// The file.
         path: PathBuf,
@@ -219,7 +240,7 @@ pub enum Cause {
         error: MeshError,
     },
     /// An image file cannot be used.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_long(path.display()))]
     Image {
         /// The file.
         path: PathBuf,
@@ -229,7 +250,7 @@ pub enum Cause {
     /// A pixel of an image is not a valid reflectance or radiance.
     #[error(
         "{}: pixel ({}, {}) is ({}, {}, {}); values must be {range}",
-        path.display(), pixel[0], pixel[1], value[0], value[1], value[2]
+        shown_long(path.display()), pixel[0], pixel[1], value[0], value[1], value[2]
     )]
     ImageValue {
         /// The file.
@@ -273,5 +294,5 @@ impl Cause {
 fn found(version: &Option<String>) -> String {
     version
         .as_ref()
-        .map_or(String::new(), |text| format!(", not \"{text}\""))
+        .map_or(String::new(), |text| format!(", not \"{}\"", shown(text)))
 }

@@ -8,6 +8,7 @@ use std::fmt;
 use miette::{Diagnostic, LabeledSpan, SourceCode};
 
 pub use cause::Cause;
+pub(super) use suggestion::shown;
 
 use super::source::Place;
 
@@ -87,9 +88,8 @@ impl std::error::Error for LoadError {
 impl Diagnostic for LoadError {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         let place = self.0.place.as_ref()?;
-        place
-            .fits_in_a_report()
-            .then(|| place.file() as &dyn SourceCode)
+        let is_text = !matches!(self.0.cause, Cause::NotXml | Cause::Encoding(_));
+        (is_text && place.fits_in_a_report()).then(|| place.file() as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {

@@ -19,6 +19,12 @@ const DOUBLE_PRECISION: u32 = 0x2000;
 /// Maximum length of the name of a mesh in bytes.
 const MAX_NAME_LENGTH: usize = 1 << 16;
 
+/// Meshes of at most this many bytes are always decompressed.
+const SMALL: u64 = 1 << 24;
+
+/// Maximum ratio of compression of larger ones: a regular grid of equal normals has less.
+const MAX_RATIO: u64 = 100;
+
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Version {
     /// 32-bit offsets, no names.
@@ -36,8 +42,10 @@ pub fn read(bytes: &[u8], index: usize, with_normals: bool) -> Result<MeshFile, 
         _ => offset(bytes, version, index)?,
     };
     let version = self::version(bytes, start)?;
-    let stream = BufReader::new(ZlibDecoder::new(&bytes[start + 4..]));
-    let mut mesh = decode(Stream(stream), version, with_normals).map_err(|problem| {
+    let compressed = &bytes[start + 4..];
+    let stream = BufReader::new(ZlibDecoder::new(compressed));
+    let limit = SMALL + MAX_RATIO * compressed.len() as u64;
+    let mut mesh = decode(Stream(stream), version, with_normals, limit).map_err(|problem| {
         let problem = format!("mesh {index}: {problem}");
         MeshError::at_byte(start, problem)
     })?;
@@ -88,6 +96,7 @@ fn decode<R: Read>(
     mut stream: Stream<R>,
     version: Version,
     with_normals: bool,
+    limit: u64,
 ) -> Result<TriangleMesh, String> {
     let flags = u32::from_le_bytes(stream.take()?);
     if version == Version::V4 {
@@ -97,6 +106,17 @@ fn decode<R: Read>(
     let triangles = count("triangles", u64::from_le_bytes(stream.take()?))?;
     let double = flags & DOUBLE_PRECISION != 0;
     let has = |flag| flags & flag != 0;
+    let arrays = [(HAS_NORMALS, 3), (HAS_UVS, 2), (HAS_COLORS, 3)].into_iter();
+    let optional: u64 = arrays.map(|(flag, n)| if has(flag) { n } else { 0 }).sum();
+    let number_bytes = if double { 8 } else { 4 };
+    // Both counts have 32 bits, so nothing overflows.
+    let claimed = vertices * (3 + optional) * number_bytes + triangles * 12;
+    if claimed > limit {
+        return Err(format!(
+            "it claims {vertices} vertices and {triangles} triangles, in all {claimed} bytes, but data of this \
+             length has at most {limit}"
+        ));
+    }
     let mut mesh = TriangleMesh {
         positions: stream.array(vertices, double)?,
         ..TriangleMesh::default()

@@ -9,7 +9,7 @@ mod to_world;
 use glam::DMat4;
 
 use super::builder::Builder;
-use super::error::{Faults, LoadError};
+use super::error::{Faults, LoadError, shown};
 use super::xml::{Object, Tag};
 use super::{bsdf, emitter};
 use crate::scene::{ShapeDescription, ShapeGeometry};
@@ -74,7 +74,7 @@ fn placed(builder: &mut Builder, index: usize, parent: DMat4) -> Result<(), Load
 /// `shape "Floor" (scene.xml:12:3)`, or the type in place of the id if there is none.
 fn name(object: &Object) -> String {
     match &object.id {
-        Some(id) => format!("shape \"{id}\" ({})", object.place),
+        Some(id) => format!("shape \"{}\" ({})", shown(id), object.place),
         None => format!("shape of type {} ({})", object.plugin, object.place),
     }
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use encoding_rs::{Encoding, WINDOWS_1252};
 use roxmltree::{Document, Node};
 
+use super::object::Tag;
 use crate::mitsuba::error::{Cause, LoadError, Located, Warning};
 use crate::mitsuba::file::regular_file_size;
 use crate::mitsuba::source::{Place, SourceFile};
@@ -84,6 +85,13 @@ pub fn read(
 
 /// Parses `xml`, the text of the file `source` made well-formed.
 pub fn parse<'a>(source: &Arc<SourceFile>, xml: &'a str) -> Result<Document<'a>, LoadError> {
+    if !begins_like_a_scene(xml) {
+        return Err(Place::new(source, 0..0).error(Cause::NotXml));
+    }
+    if let Some(tag) = overlong_tag(xml) {
+        let cause = Cause::TooManyAttributes(MAX_ATTRIBUTES);
+        return Err(Place::new(source, tag..tag).error(cause));
+    }
     Document::parse(xml).map_err(|error| {
         let position = error.pos();
         let at = byte_offset(xml, position.row, position.col);
@@ -155,6 +163,58 @@ fn major_version(text: &str) -> Option<u32> {
     let parts = text.trim().split('.').map(|part| part.parse().ok());
     let parts: Vec<u32> = parts.collect::<Option<_>>()?;
     (parts.len() <= 3).then_some(parts.first().copied())?
+}
+
+/// True if XML, a comment, or an element of a scene file begins the text. Other files are not quoted in messages.
+fn begins_like_a_scene(text: &str) -> bool {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let names = Tag::ALL.iter().map(|(name, _)| *name);
+    let mut beginnings = ["?", "!"].into_iter().chain(names);
+    text.strip_prefix('<')
+        .is_some_and(|text| beginnings.any(|begin| text.starts_with(begin)))
+}
+
+/// Maximum number of attributes of an element. The time of the parser grows with the square of their number.
+const MAX_ATTRIBUTES: usize = 256;
+
+/// The offset in bytes of the first start tag with more than [`MAX_ATTRIBUTES`] attributes.
+fn overlong_tag(text: &str) -> Option<usize> {
+    let mut at = 0;
+    while let Some(offset) = text[at..].find('<') {
+        let open = at + offset;
+        let tag = &text[open..];
+        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        let skipped = skipped.iter().find(|(begin, _)| tag.starts_with(begin));
+        let length = match skipped {
+            Some((begin, end)) => tag[begin.len()..].find(end).map(|i| begin.len() + i),
+            None => {
+                let (length, attributes) = scan_tag(tag);
+                if attributes > MAX_ATTRIBUTES {
+                    return Some(open);
+                }
+                length
+            }
+        };
+        at = open + length?;
+    }
+    None
+}
+
+/// The length of a tag up to its `>`, and the number of its quoted values.
+fn scan_tag(tag: &str) -> (Option<usize>, usize) {
+    let (mut quote, mut values) = (None, 0);
+    for (i, byte) in tag.bytes().enumerate() {
+        match (quote, byte) {
+            (None, b'>') => return (Some(i), values),
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if byte == open => {
+                quote = None;
+                values += 1;
+            }
+            _ => {}
+        }
+    }
+    (None, values)
 }
 
 /// The offset in bytes of a line and a column, both counted from 1, the column in characters.

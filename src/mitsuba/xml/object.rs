@@ -2,7 +2,7 @@
 //! parameters it knows; parameters that are not read are errors.
 
 use std::cell::{Cell, RefCell};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ops::RangeInclusive;
 
 use glam::{DMat4, DVec3};
@@ -91,6 +91,8 @@ pub struct Object {
     pub place: Place,
     /// Its parameters and nested objects, in the order of the file.
     pub properties: Vec<Property>,
+    /// The names of the parameters.
+    names: HashSet<String>,
     /// Names of parameters that have been asked for.
     asked: RefCell<BTreeSet<String>>,
 }
@@ -110,15 +112,16 @@ impl Object {
             id,
             place,
             properties: Vec::new(),
+            names: HashSet::new(),
             asked: RefCell::default(),
         }
     }
 
     /// Adds a parameter or a nested object, whose name may be empty.
     pub fn add(&mut self, name: String, value: Value, place: Place) -> Result<(), LoadError> {
-        let is_same = |p: &&Property| !name.is_empty() && p.name == name;
-        if let Some(first) = self.properties.iter().find(is_same) {
-            let first = first.place.clone();
+        if !name.is_empty() && !self.names.insert(name.clone()) {
+            let first = self.properties.iter().find(|p| p.name == name);
+            let first = first.map_or(&self.place, |first| &first.place).clone();
             return Err(place.error(Cause::DuplicateParameter { name, first }));
         }
         self.properties.push(Property {
@@ -133,6 +136,7 @@ impl Object {
     /// Removes a parameter and returns it.
     pub fn remove(&mut self, name: &str) -> Option<Property> {
         let index = self.properties.iter().position(|p| p.name == name)?;
+        self.names.remove(name);
         Some(self.properties.remove(index))
     }
 

@@ -39,6 +39,8 @@ pub struct Reader {
     pub warnings: Vec<Warning>,
     /// Faults in elements, which do not end the reading of the others.
     faults: Faults,
+    /// All files read.
+    pub files: Vec<PathBuf>,
     /// The files being read, each included by the one before it.
     including: Vec<PathBuf>,
     /// Number of files included so far.
@@ -74,6 +76,7 @@ impl Reader {
             search_path: SearchPath::new(path),
             warnings: Vec::new(),
             faults: Faults::default(),
+            files: Vec::new(),
             including: Vec::new(),
             includes: 0,
         }
@@ -96,6 +99,7 @@ impl Reader {
             return Err(fail(Cause::IncludeCycle(path.to_owned())));
         }
         let source = document::read(path, fail, &mut self.warnings)?;
+        self.files.push(path.to_owned());
         let xml = lenient::as_xml(source.text());
         let document = document::parse(&source, &xml)?;
         let root = document.root_element();

@@ -1,5 +1,8 @@
 //! Substitution of `$name` in attributes, with values from `-D name=value` and `<default>`.
 
+use std::collections::BTreeMap;
+use std::ops::Bound::{Included, Unbounded};
+
 use crate::mitsuba::error::Cause;
 
 /// Maximum length of an attribute after substitution, in bytes. Without a limit, defaults that
@@ -10,7 +13,6 @@ const MAX_LENGTH: usize = 1 << 20;
 const MAX_TOTAL: usize = 1 << 26;
 
 struct Variable {
-    name: String,
     value: String,
     /// Given on the command line. It takes precedence over defaults, and a warning says if no file
     /// uses it.
@@ -20,7 +22,8 @@ struct Variable {
 
 /// The values of `$variables`.
 pub struct Substitution {
-    variables: Vec<Variable>,
+    /// By name.
+    variables: BTreeMap<String, Variable>,
     /// Total length so far of attributes with substituted variables, in bytes.
     total: usize,
 }
@@ -28,32 +31,30 @@ pub struct Substitution {
 impl Substitution {
     /// The variables of the command line. The last value given for a name counts.
     pub fn new(defines: &[(String, String)]) -> Self {
-        let mut variables: Vec<Variable> = Vec::new();
-        for (name, value) in defines {
-            variables.retain(|v| v.name != *name);
-            variables.push(Variable {
-                name: name.clone(),
+        let variable = |(name, value): &(String, String)| {
+            let variable = Variable {
                 value: value.clone(),
                 defined: true,
                 used: false,
-            });
-        }
+            };
+            (name.clone(), variable)
+        };
         Self {
-            variables,
+            variables: defines.iter().map(variable).collect(),
             total: 0,
         }
     }
 
     /// Sets the value of a `<default>`, unless the variable already has one.
     pub fn set_default(&mut self, name: &str, value: &str) {
-        if self.variables.iter().all(|v| v.name != name) {
-            self.variables.push(Variable {
-                name: name.to_owned(),
-                value: value.to_owned(),
-                defined: false,
-                used: false,
-            });
-        }
+        let default = || Variable {
+            value: value.to_owned(),
+            defined: false,
+            used: false,
+        };
+        self.variables
+            .entry(name.to_owned())
+            .or_insert_with(default);
     }
 
     /// Replaces each `$name` in `text`. As in Mitsuba 3 the longest name that matches is taken, so
@@ -70,13 +71,14 @@ impl Substitution {
                 continue;
             }
             result.push_str(before);
-            let Some(index) = self.longest_match(after) else {
+            let length = self.longest_match(after).map(str::len);
+            let variable = length.and_then(|length| self.variables.get_mut(&after[..length]));
+            let (Some(length), Some(variable)) = (length, variable) else {
                 return Err(self.undefined(after));
             };
-            let variable = &mut self.variables[index];
             variable.used = true;
             result.push_str(&variable.value);
-            rest = &after[variable.name.len()..];
+            rest = &after[length..];
             if result.len() > MAX_LENGTH {
                 return Err(Cause::SubstitutionTooLong(MAX_LENGTH));
             }
@@ -93,20 +95,29 @@ impl Substitution {
 
     /// The names given on the command line that no file has used.
     pub fn unused(&self) -> impl Iterator<Item = &str> {
-        let is_unused = |v: &&Variable| v.defined && !v.used;
-        self.variables
-            .iter()
-            .filter(is_unused)
-            .map(|v| v.name.as_str())
+        let is_unused = |(_, v): &(&String, &Variable)| v.defined && !v.used;
+        let unused = self.variables.iter().filter(is_unused);
+        unused.map(|(name, _)| name.as_str())
     }
 
-    fn longest_match(&self, text: &str) -> Option<usize> {
-        (0..self.variables.len())
-            .filter(|&i| {
-                let name = &self.variables[i].name;
-                !name.is_empty() && text.starts_with(name.as_str())
-            })
-            .max_by_key(|&i| self.variables[i].name.len())
+    /// The longest name that `text` begins with. Names that begin like it are neighbours in their order: the
+    /// last one that is not after `text` is the longest or, if `text` does not begin with it, has as many
+    /// letters in common with `text` as any name.
+    fn longest_match(&self, text: &str) -> Option<&str> {
+        let mut text = text;
+        loop {
+            let (name, _) = self
+                .variables
+                .range::<str, _>((Unbounded, Included(text)))
+                .next_back()?;
+            if text.starts_with(name.as_str()) {
+                return Some(name.as_str()).filter(|name| !name.is_empty());
+            }
+            let common = text.char_indices().zip(name.chars());
+            let mut differing = common.filter(|((_, a), b)| a != b);
+            let end = differing.next().map_or(0, |((byte, _), _)| byte);
+            text = &text[..end];
+        }
     }
 
     fn undefined(&self, text: &str) -> Cause {
@@ -114,7 +125,7 @@ impl Substitution {
         let end = text.find(|c| !is_name(c)).unwrap_or(text.len());
         Cause::UndefinedVariable {
             found: text[..end].to_owned(),
-            known: self.variables.iter().map(|v| v.name.clone()).collect(),
+            known: self.variables.keys().cloned().collect(),
         }
     }
 }
@@ -132,6 +143,20 @@ mod tests {
     fn the_longest_name_is_taken_and_a_backslash_escapes() {
         let mut s = with(&[("a", "1"), ("ab", "2")]);
         assert_eq!(s.apply("$a$ab$abc \\$a").unwrap(), "122c $a");
+
+        // Names after and between those that match.
+        let mut s = with(&[
+            ("a", "1"),
+            ("abc", "3"),
+            ("abx", "4"),
+            ("aé", "5"),
+            ("b", "6"),
+        ]);
+        assert_eq!(
+            s.apply("$abd $abb $abcd $aéz $az").unwrap(),
+            "1bd 1bb 3d 5z 1z"
+        );
+        assert!(s.apply("$c").is_err() && s.apply("$").is_err());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! All objects of a scene, from its files.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use super::nesting::check_nesting;
@@ -17,6 +18,8 @@ pub struct Tree {
     /// Suspicious parts of the files.
     pub warnings: Vec<Warning>,
     search_path: SearchPath,
+    /// The scene files, and the files that have been located.
+    files: RefCell<Vec<PathBuf>>,
 }
 
 impl Tree {
@@ -36,11 +39,19 @@ impl Tree {
             objects: reader.objects,
             warnings,
             search_path: reader.search_path,
+            files: RefCell::new(reader.files),
         })
     }
 
     /// The path of the mesh or image `name`, which is named at `place`.
     pub fn locate(&self, name: &str, place: &Place) -> PathBuf {
-        self.search_path.locate(name, place)
+        let path = self.search_path.locate(name, place);
+        self.files.borrow_mut().push(path.clone());
+        path
+    }
+
+    /// The scene file, the files that it includes, and all files that have been located.
+    pub fn into_files(self) -> Vec<PathBuf> {
+        self.files.into_inner()
     }
 }

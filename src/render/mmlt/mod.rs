@@ -14,9 +14,9 @@ pub use redistribution::mutations;
 use self::redistribution::{Redistribution, Residual};
 use super::clock::Clock;
 use super::driver::{Driver, drive};
-use super::error::{ErrorEstimate, TargetError};
+use super::error::ErrorEstimate;
 use super::estimate::{ImageEstimate, TileSplats};
-use super::passes::{PassLoop, TileBuffer};
+use super::passes::{BLOCK, PassLoop, TileBuffer};
 use super::pixel_sampler::PixelSampler;
 use super::plan::clamp::Clamp;
 use super::plan::{MmltSettings, Plan};
@@ -46,9 +46,7 @@ pub(super) fn render(
     observer.phase("rendering");
     let mut driver = Mmlt::new(scene, settings, method_settings, plan);
     let mut clock = Clock::new(start, settings.budget, pixel_count(scene), observer);
-    let target = TargetError::new(settings, pixel_count(scene));
-    drive(&mut driver, &mut clock, target);
-    driver.finish(settings, &clock)
+    drive(&mut driver, settings, &mut clock, pixel_count(scene))
 }
 
 /// The image of the chains alone, after `passes` passes of a render of `scene` with `plan`.
@@ -67,7 +65,7 @@ pub fn residual_image(
     let mut driver = Mmlt::new(scene, &settings, method_settings, plan);
     let pixels = pixel_count(scene);
     let mut clock = Clock::new(Instant::now(), settings.budget, pixels, &Unobserved);
-    drive(&mut driver, &mut clock, TargetError::new(&settings, pixels));
+    drive(&mut driver, &settings, &mut clock, pixels);
     driver.estimate.image(|pixel| driver.chains.value(pixel))
 }
 
@@ -99,12 +97,16 @@ impl Driver for Mmlt<'_> {
     fn advance(&mut self, clock: &Clock) {
         // Take independent samples and add their clamped part to the film.
         let (scene, clamp, film) = (self.scene, &self.plan.clamp, &self.film);
+        let block = clock.block(self.samples(), BLOCK);
         let tiles = self
             .passes
-            .advance(clock, |pixel, sampler, workspace, tile| {
+            .advance(clock, block, |pixel, sampler, workspace, tile| {
                 sample(scene, clamp, film, sampler, workspace, tile);
                 tile.clamped.add_last(pixel);
             });
+        if tiles.is_empty() {
+            return;
+        }
         let clamped = tiles.iter().map(|(tile, buffer)| (tile, &buffer.clamped));
         self.estimate.add(clamped);
 
@@ -149,6 +151,22 @@ impl Driver for Mmlt<'_> {
 
     fn error(&self, image: &Image) -> Option<ErrorEstimate> {
         self.estimate.error(image)
+    }
+
+    fn finish(&mut self, settings: &Settings, clock: &Clock) -> Rendering {
+        let (samples, rays, image) = (self.samples(), self.rays(), self.image());
+        let estimate = &self.estimate;
+        let mut rendering = estimate.rendering(self.scene, settings, clock, image, samples, rays);
+        let counters = &self.chains.counters;
+        rendering.statistics.mmlt = Some(MmltStatistics {
+            pilot_samples: self.plan.samples,
+            threshold: self.plan.clamp.threshold,
+            energy_per_mutation: self.plan.clamp.energy,
+            chains: self.chains.chains,
+            mutations: MutationStatistics::all(counters),
+            longest_rejection_run: counters.longest_rejection_run,
+        });
+        rendering
     }
 }
 
@@ -207,21 +225,5 @@ impl<'a> Mmlt<'a> {
             scene,
             plan,
         }
-    }
-
-    fn finish(mut self, settings: &Settings, clock: &Clock) -> Rendering {
-        let image = self.image();
-        let (scene, samples, rays) = (self.scene, self.samples(), self.rays());
-        let estimate = self.estimate;
-        let mut rendering = estimate.rendering(scene, settings, clock, image, samples, rays);
-        let counters = &self.chains.counters;
-        rendering.statistics.mmlt = Some(MmltStatistics {
-            threshold: self.plan.clamp.threshold,
-            energy_per_mutation: self.plan.clamp.energy,
-            chains: self.chains.chains,
-            mutations: MutationStatistics::all(counters),
-            longest_rejection_run: counters.longest_rejection_run,
-        });
-        rendering
     }
 }

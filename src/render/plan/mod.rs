@@ -22,6 +22,8 @@ pub struct MmltSettings {
     pub importance_map: bool,
     /// tau of [`clamp`]; `None` to choose the best by the pilot.
     pub threshold: Option<f32>,
+    /// Number of samples of the pilot; `None` for as many as it may have in the time.
+    pub pilot: Option<u64>,
     /// The plan of an earlier pilot for the same scene and settings; `None` to run a pilot.
     pub plan: Option<Plan>,
 }
@@ -34,6 +36,7 @@ impl Default for MmltSettings {
             separate_direct: true,
             importance_map: true,
             threshold: None,
+            pilot: None,
             plan: None,
         }
     }
@@ -51,14 +54,18 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Runs a pilot, which ends early when `is_over` returns true.
+    /// Runs a pilot, which ends early when `is_over` returns true, unless the settings give its length.
     pub fn new(
         scene: &Scene,
         seed: u64,
         method_settings: &MmltSettings,
         is_over: impl Fn() -> bool,
     ) -> Self {
-        let pilot = Pilot::run(scene, seed, pilot::MAX_SAMPLES, is_over);
+        let (max_samples, is_fixed) = match method_settings.pilot {
+            Some(samples) => (samples, true),
+            None => (pilot::MAX_SAMPLES, false),
+        };
+        let pilot = Pilot::run(scene, seed, max_samples, || !is_fixed && is_over());
         let size = [scene.film.width, scene.film.height];
         Self {
             clamp: Clamp::new(size, &pilot, method_settings),

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use glam::Vec3A;
-use metrolight::film::{Decode, read_image};
+use metrolight::film::{Decode, png_text, read_annotated, read_image};
 use metrolight::integrators::{
     BidirectionalPathTracer, LightTracer, PathSampler, PathTracer, SplatList, Workspace,
 };
+use metrolight::metrics::{Estimate, image_errors, test_bias};
 use metrolight::mitsuba::{LoadError, load};
 use metrolight::sampling::IndependentSampler;
 use metrolight::sampling::seeds::Purpose;
@@ -110,6 +111,42 @@ pub fn image(extension: &str, bytes: &[u8]) {
             assert_eq!(image.pixels.len(), image.width * image.height);
         }
         Err(error) => drop(error.to_string()),
+    }
+}
+
+/// Reads an image with its layers and attributes, measures it against itself, and tests for bias. The first byte
+/// chooses between OpenEXR and PNG.
+pub fn reference(bytes: &[u8]) {
+    let Some((format, bytes)) = bytes.split_first() else {
+        return;
+    };
+    let extension = if format % 2 == 0 { "exr" } else { "png" };
+    let path = file(&format!("reference.{extension}"));
+    write(&path, bytes);
+    drop(png_text(&path, "metrolight.render"));
+    let Ok(annotated) = read_annotated(&path, Decode::Srgb) else {
+        return;
+    };
+    let is_finite = |pixels: &[[f32; 3]]| pixels.as_flattened().iter().all(|v| v.is_finite());
+    let layers = annotated.layers.values();
+    // The command refuses any others.
+    if !is_finite(&annotated.image.pixels) || !layers.map(|v| &v[..]).all(is_finite) {
+        return;
+    }
+    let image = &annotated.image;
+    let errors = image_errors(&image.pixels, &image.pixels);
+    assert_eq!(errors.mse, 0.0);
+    if let Some(standard_errors) = annotated.layers.get("standard_error") {
+        let estimate = Estimate {
+            pixels: &image.pixels,
+            standard_errors,
+            parts: annotated
+                .number("metrolight.error.independent_parts")
+                .filter(|&n| n >= 2.0)
+                .map(|n| n as u64),
+            independent_pixels: false,
+        };
+        drop(test_bias(&estimate, &estimate, image.width));
     }
 }
 
