@@ -31,6 +31,7 @@ mod plane;
 mod refraction;
 mod route;
 mod sphere;
+mod unfolding;
 
 #[cfg(test)]
 mod tests;
