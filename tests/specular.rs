@@ -14,7 +14,8 @@ use common::tiles::{assert_same_image, tile_moments};
 use glam::DVec3;
 use metrolight::math::Rgb;
 use metrolight::render::{
-    Budget, Integrator, Method, Settings, Strategies, Unobserved, render, strategies,
+    Budget, Integrator, Method, Settings, Strategies, Unobserved, choose_specular, render,
+    strategies,
 };
 use metrolight::scene::{Casters, ChainSearch, EmitterDescription, Scene};
 use metrolight::technique::Technique;
@@ -79,6 +80,23 @@ fn no_mean_changes() {
             assert_same_image(&name, [&found, &expected], 0.0, 1e-3);
         }
     }
+}
+
+/// Where much light takes chains, pilots choose technique 1* everywhere; in a room with some glass they do not.
+#[test]
+fn pilots_choose_where_chains_are_sought() {
+    for (path, expected) in [
+        ("scenes/pool/point.xml", ChainSearch::Everywhere),
+        ("scenes/spheres/scene.xml", ChainSearch::Unconnected),
+    ] {
+        let mut scene = common::load(path, &[]);
+        let choice = choose_specular(&mut scene, None).expect("threads");
+        let choice = choice.expect("chains");
+        assert_eq!(choice.search, expected, "{path}: {choice:?}");
+        assert_eq!(scene.casters.search(), expected, "{path}");
+    }
+    let mut scene = common::load("scenes/cornell/scene.xml", &[]);
+    assert_eq!(choose_specular(&mut scene, None).expect("threads"), None);
 }
 
 /// Under a point light, chains everywhere and chains where nothing else connects give the same mean: the weights

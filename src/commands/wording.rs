@@ -61,8 +61,10 @@ pub fn specular_choice(choice: &SpecularChoice) -> String {
         ChainSearch::Unconnected | ChainSearch::Off => "where no other technique connects",
     };
     format!(
-        "specular next event estimation: {place} (from every vertex, {:.2} times the error is expected)",
-        choice.gain.recip()
+        "specular next event estimation: {place} (from every vertex, it samples {:.0}% more of the light at {:.1} times \
+         the cost)",
+        100.0 * choice.share,
+        choice.cost
     )
 }
 

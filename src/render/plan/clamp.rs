@@ -169,7 +169,7 @@ impl Moments {
         let (mut clampable, mut rest) = (Vec::new(), 0.0);
         for found in &pilot.found {
             let luminance = f64::from(clamp.luminance(found.splat));
-            if found.edges > clamp.unclamped_edges {
+            if found.technique.edges() > clamp.unclamped_edges {
                 clampable.push(luminance);
             } else {
                 rest += luminance * luminance / samples;
@@ -230,11 +230,12 @@ mod tests {
     use crate::math::Rgb;
     use crate::render::plan::pilot::Found;
     use crate::scene::RayCounts;
+    use crate::technique::Technique;
 
     /// A pilot of `n` samples, each of which has found a grey path of three edges with this luminance.
     fn pilot(n: u64, luminance: impl Fn(u64) -> f32) -> Pilot {
         let found = |i: u64| Found {
-            edges: 3,
+            technique: Technique::Hit { t: 4 },
             splat: Splat {
                 position: [i % 64, i / 64 % 64].map(|cell| (cell as f32 + 0.5) / 64.0),
                 value: Rgb::splat(luminance(i)),

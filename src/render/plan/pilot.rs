@@ -10,6 +10,7 @@ use crate::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
 use crate::markov::bootstrap::sample;
 use crate::math::color;
 use crate::scene::{RayCounts, Scene};
+use crate::technique::Technique;
 
 /// Samples of one task.
 const TASK: u64 = 256;
@@ -23,8 +24,8 @@ pub const MAX_SAMPLES: u64 = 1 << 15;
 /// A path that carries light.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    /// Number of edges.
-    pub edges: usize,
+    /// The technique that sampled it.
+    pub technique: Technique,
     /// Its weighted contribution.
     pub splat: Splat,
 }
@@ -73,8 +74,8 @@ fn paths(scene: &Scene, seed: u64, samples: Range<u64>) -> (Vec<Found>, RayCount
         BidirectionalPathTracer.sample_paths(scene, &mut sampler, &mut workspace, |path| {
             let splat = path.splat();
             if color::is_light(splat.value) && splat.value.max_element() > 0.0 {
-                let edges = path.technique.edges();
-                found.push(Found { edges, splat });
+                let technique = path.technique;
+                found.push(Found { technique, splat });
             }
         });
     }
