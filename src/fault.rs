@@ -52,6 +52,18 @@ pub(crate) enum Fault {
     MembershipSkipped,
     /// Light subpaths do not know technique 1*.
     ChainTermLeftOut,
+    /// The probability that a mask is hit is left out of the density of what it covers.
+    OpacityLeftOut,
+    /// The density of a blend is that of the model that was chosen.
+    BlendOfOneModel,
+    /// The probability of the normal that a light subpath uses is left out of its density.
+    NormalProbabilityLeftOut,
+    /// The cosine with the perturbed normal is replaced by that with the shading normal.
+    PerturbedCosineLeftOut,
+    /// Phong's lobe is normalised without the cosine, as its density is.
+    PhongNormalisedAsDensity,
+    /// The squared index of refraction is left out of the density of refraction by a facet.
+    FacetJacobianOff,
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Materials and textures: parameters of every kind, and one error for each way to get them wrong.
 
 use metrolight::math::Rgb;
-use metrolight::scene::bsdf::NormalPerturbation;
+use metrolight::scene::bsdf::{DisneyLobes, NormalPerturbation};
 use metrolight::scene::{Material, Roughness, SceneDescription, Texture};
 
 use super::{description, load_body, load_text};
@@ -314,4 +314,57 @@ fn old_parameters_of_bitmaps_are_read() {
     assert!(other.contains("a `gamma` other than"), "{other}");
     let cubic = error(r#"<string name="filterType" value="cubic"/>"#);
     assert!(cubic.contains("bilinear, nearest"), "{cubic}");
+}
+
+#[test]
+fn lajolla_s_models_have_its_defaults() {
+    let load = |kind: &str, parameters: &str| match material(kind, parameters) {
+        (scene, Material::DisneySum(disney)) => (scene, disney),
+        (_, other) => panic!("{other:?}"),
+    };
+    let (scene, whole) = load("disneybsdf", &float("specular_transmission", 0.4));
+    assert_eq!(constant(&scene, whole.base_color), Rgb::splat(0.5));
+    assert_eq!(constant(&scene, whole.sheen_tint), Rgb::splat(0.5));
+    assert_eq!(constant(&scene, whole.clearcoat_gloss), Rgb::ONE);
+    assert!(whole.eta == 1.5 && whole.transmits && whole.lobes == DisneyLobes::All);
+    assert!(!load("disneybsdf", "").1.transmits);
+    let (scene, glass) = load("disneyglass", &float("eta", 1.3));
+    assert_eq!(constant(&scene, glass.specular_transmission), Rgb::ONE);
+    assert_eq!(constant(&scene, glass.metallic), Rgb::ZERO);
+    assert!(glass.eta == 1.3 && glass.transmits);
+    let (scene, metal) = load("disneymetal", &float("roughness", 0.01));
+    assert_eq!(constant(&scene, metal.metallic), Rgb::ONE);
+    assert_eq!(constant(&scene, metal.clearcoat), Rgb::ZERO);
+    for (kind, lobes) in [
+        ("disneydiffuse", DisneyLobes::Diffuse),
+        ("disneysheen", DisneyLobes::Sheen),
+        ("disneyclearcoat", DisneyLobes::Clearcoat),
+    ] {
+        assert_eq!(load(kind, "").1.lobes, lobes);
+    }
+    assert_refused("disneyglass", &float("eta", 1.0), "between 1.001 and 2");
+    assert_refused("disneysheen", &float("roughness", 0.2), "`roughness`");
+    assert_refused("twosided", &bsdf("disneyglass", ""), "transmits");
+}
+
+#[test]
+fn ashikhmin_shirley_s_distribution_has_one_roughness() {
+    let with = |kind: &str, roughness: &str| {
+        format!(r#"<string name="distribution" value="{kind}"/>{roughness}"#)
+    };
+    let both = |value| float("alpha_u", value) + &float("alpha_v", value);
+    for kind in ["as", "phong"] {
+        match material("roughconductor", &with(kind, &both(0.8))).1 {
+            Material::AshikhminShirley { alpha, .. } => assert_eq!(alpha, 0.8),
+            other => panic!("{other:?}"),
+        }
+    }
+    let refused = |roughness: &str, phrase| {
+        assert_refused("roughconductor", &with("as", roughness), phrase);
+    };
+    refused(&float("alpha", 1.5), "at most 1");
+    refused(&bitmap("alpha", ""), "textured or anisotropic");
+    let anisotropic = float("alpha_u", 0.1) + &float("alpha_v", 0.2);
+    refused(&anisotropic, "textured or anisotropic");
+    assert_refused("roughdielectric", &with("as", ""), "beckmann, ggx");
 }

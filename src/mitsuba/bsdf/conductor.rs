@@ -1,7 +1,7 @@
 //! `conductor` and `roughconductor`: metals.
 
 use super::ior::refractive_index;
-use super::roughness::{distribution, roughness};
+use super::roughness::{ashikhmin_shirley_roughness, distribution, roughness};
 use super::specular::specular_reflectance;
 use crate::math::Rgb;
 use crate::mitsuba::builder::Builder;
@@ -22,6 +22,14 @@ pub fn smooth(builder: &mut Builder, object: &Object) -> Result<Material, LoadEr
 
 pub fn rough(builder: &mut Builder, object: &Object) -> Result<Material, LoadError> {
     let (eta, k) = metal_indices(object)?;
+    if let Some(alpha) = ashikhmin_shirley_roughness(builder, object)? {
+        return Ok(Material::AshikhminShirley {
+            alpha,
+            eta,
+            k,
+            specular_reflectance: specular_reflectance(builder, object)?,
+        });
+    }
     Ok(Material::RoughConductor {
         distribution: distribution(object)?,
         roughness: roughness(builder, object)?,

@@ -25,14 +25,18 @@ use crate::scene::{Material, Texture};
 type Constructor = for<'a> fn(&mut Builder<'a>, &'a Object) -> Result<Material, LoadError>;
 
 /// The BSDFs.
-const PLUGINS: [(&str, Constructor); 19] = [
+const PLUGINS: [(&str, Constructor); 23] = [
     ("blendbsdf", blend::blend),
     ("bumpmap", perturbed::bump_map),
     ("conductor", conductor::smooth),
     ("dielectric", dielectric::smooth),
     ("diffuse", diffuse::diffuse),
+    ("disneybsdf", disney::bsdf),
+    ("disneyclearcoat", disney::clearcoat),
     ("disneydiffuse", disney::diffuse),
+    ("disneyglass", disney::glass),
     ("disneymetal", disney::metal),
+    ("disneysheen", disney::sheen),
     ("mask", mask::mask),
     ("mixturebsdf", blend::mixture),
     ("normalmap", perturbed::normal_map),

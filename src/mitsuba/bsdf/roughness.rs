@@ -24,6 +24,35 @@ pub fn distribution(object: &Object) -> Result<MicrofacetDistribution, LoadError
     object.choice("distribution", MicrofacetDistribution::Beckmann, &choices)
 }
 
+/// The roughness, if the distribution is that of Ashikhmin and Shirley, which Mitsuba 0.6 calls `as` or `phong`.
+pub fn ashikhmin_shirley_roughness(
+    builder: &mut Builder,
+    object: &Object,
+) -> Result<Option<f32>, LoadError> {
+    let Some((name, property)) = object.text("distribution")? else {
+        return Ok(None);
+    };
+    if !["as", "phong"]
+        .iter()
+        .any(|known| known.eq_ignore_ascii_case(name))
+    {
+        return Ok(None);
+    }
+    object.ignore(&["sample_visible"]);
+    match roughness(builder, object)? {
+        Roughness::Constant(alpha) if alpha <= 1.0 => Ok(Some(alpha)),
+        Roughness::Constant(alpha) => {
+            let limit =
+                format!("the distribution `{name}` needs a roughness of at most 1, not {alpha}");
+            Err(property.conflict(limit))
+        }
+        Roughness::Textured { .. } => {
+            let feature = format!("textured or anisotropic roughness of the distribution `{name}`");
+            Err(property.not_modelled(&feature))
+        }
+    }
+}
+
 /// The roughness `alpha`, one number.
 pub fn constant_roughness(object: &Object) -> Result<f32, LoadError> {
     alpha(object, "alpha")

@@ -2,11 +2,13 @@
 
 use glam::{Vec2, Vec3A};
 
+use super::ashikhmin_shirley::AshikhminShirleyBsdf;
 use super::blend::BlendBsdf;
 use super::conductor::ConductorBsdf;
 use super::context::MaterialContext;
 use super::dielectric::DielectricBsdf;
 use super::diffuse::DiffuseBsdf;
+use super::disney_sum::DisneySumBsdf;
 use super::mask::MaskBsdf;
 use super::material::Material;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
@@ -70,6 +72,20 @@ macro_rules! at_point {
             } => {
                 let $bsdf = RoughConductorBsdf {
                     microfacets: roughness.microfacets(*distribution, context),
+                    eta: *eta,
+                    k: *k,
+                    specular_reflectance: texture(specular_reflectance),
+                };
+                $result
+            }
+            Material::AshikhminShirley {
+                alpha,
+                eta,
+                k,
+                specular_reflectance,
+            } => {
+                let $bsdf = AshikhminShirleyBsdf {
+                    alpha: *alpha,
                     eta: *eta,
                     k: *k,
                     specular_reflectance: texture(specular_reflectance),
@@ -155,6 +171,10 @@ macro_rules! at_point {
             }
             Material::PrincipledThin(principled) => {
                 let $bsdf = PrincipledThinBsdf::new(principled, context);
+                $result
+            }
+            Material::DisneySum(disney) => {
+                let $bsdf = DisneySumBsdf::new(disney, context);
                 $result
             }
             Material::Mask { opacity, covered } => {

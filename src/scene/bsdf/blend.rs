@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3A};
 
 use super::mask::ALMOST_ONE;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use crate::fault::{Fault, planted};
 
 /// `Material::Blend` at a point.
 pub(super) struct BlendBsdf<B> {
@@ -32,7 +33,7 @@ impl<B: Bsdf> Bsdf for BlendBsdf<B> {
             (&self.first, rest, (u_lobe - self.weight) / rest)
         };
         let sample = model.sample(from, mode, u_lobe.min(ALMOST_ONE), u)?;
-        if sample.delta {
+        if sample.delta || planted(Fault::BlendOfOneModel) {
             return Some(sample.chosen_with(probability));
         }
         self.density_sample(from, sample.direction, mode, sample.eta)

@@ -1,6 +1,6 @@
 //! Terms of Disney's models (Burley 2012, "Physically based shading at Disney", section 5; Burley 2015,
-//! "Extending the Disney BRDF to a BSDF with integrated subsurface scattering"), as Mitsuba 3's `principled` and
-//! `principledthin` have them.
+//! "Extending the Disney BRDF to a BSDF with integrated subsurface scattering"), as `principled`, `principledthin`
+//! and the renderer lajolla have them.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -11,10 +11,16 @@ use crate::math::{Rgb, luminance};
 /// Minimum of the roughness alpha.
 const MIN_ALPHA: f32 = 1e-3;
 
+/// Square root of the ratio of the roughness across the tangent to that along it (Burley 2012, section 5.4).
+#[inline]
+pub(super) fn aspect(anisotropic: f32) -> f32 {
+    (1.0 - 0.9 * anisotropic).sqrt()
+}
+
 /// Roughness alpha along the tangent and across it (Burley 2012, section 5.4).
 #[inline]
 pub(super) fn alphas(roughness: f32, anisotropic: f32) -> Vec2 {
-    let aspect = (1.0 - 0.9 * anisotropic).sqrt();
+    let aspect = aspect(anisotropic);
     let alpha = roughness * roughness;
     Vec2::new(alpha / aspect, alpha * aspect).max(Vec2::splat(MIN_ALPHA))
 }
@@ -121,30 +127,46 @@ impl ClearcoatMicrofacets {
         }
     }
 
-    /// D(m) (equation 4). D(m) cos is the density of [`Self::sample`] per steradian.
+    /// D(m) (equation 4).
     #[inline]
     pub fn density(&self, m: Vec3A) -> f32 {
         let a = self.alpha2 - 1.0;
         a / (PI * self.alpha2.ln() * (1.0 + a * m.z * m.z))
     }
 
-    /// A normal (equation 5).
+    /// A direction into which a normal of the density D(m) cos (equation 5) reflects `from`; `None` from behind it,
+    /// and where the direction points into the surface.
     #[inline]
-    pub fn sample(&self, u: Vec2) -> Vec3A {
+    pub fn sample_reflection(&self, from: Vec3A, u: Vec2) -> Option<Vec3A> {
         let cos2 = (1.0 - self.alpha2.powf(1.0 - u.y)) / (1.0 - self.alpha2);
         let (cos, sin) = (
             cos2.clamp(0.0, 1.0).sqrt(),
             (1.0 - cos2).clamp(0.0, 1.0).sqrt(),
         );
         let (sin_phi, cos_phi) = (TAU * u.x).sin_cos();
-        Vec3A::new(sin * cos_phi, sin * sin_phi, cos)
+        let m = Vec3A::new(sin * cos_phi, sin * sin_phi, cos);
+        let direction = (2.0 * from.dot(m) * m - from).normalize();
+        (from.dot(m) > 0.0 && direction.z > 0.0).then_some(direction)
+    }
+
+    /// Density of [`Self::sample_reflection`] per steradian, where `m` is the half vector and `cos` the cosine of
+    /// either direction to it: D(m) cos / (4 |v.m|).
+    #[inline]
+    pub fn reflection_pdf(&self, m: Vec3A, cos: f32) -> f32 {
+        self.density(m) * m.z / (4.0 * cos.max(1e-6))
     }
 
     /// Smith's masking of GGX of roughness 0.25, which the clearcoat has whatever its gloss (section 5.6).
     #[inline]
     pub fn masking(v: Vec3A) -> f32 {
+        v.z.abs() * Self::masking_over_cosine(v)
+    }
+
+    /// The same over the cosine.
+    #[inline]
+    pub fn masking_over_cosine(v: Vec3A) -> f32 {
         let cos = v.z.abs();
         let sin2 = (1.0 - cos * cos).max(0.0);
-        2.0 * cos / (cos + (cos * cos + 0.0625 * sin2).sqrt())
+        2.0 / (cos + (cos * cos + 0.0625 * sin2).sqrt())
     }
 }

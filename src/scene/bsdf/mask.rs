@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3A};
 
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use crate::fault::{Fault, planted};
 use crate::math::Rgb;
 
 /// Largest number below 1 of the resolution of random numbers, 2^-24.
@@ -32,6 +33,9 @@ impl<B: Bsdf> Bsdf for MaskBsdf<B> {
         if u_lobe < self.opacity {
             let u_lobe = (u_lobe / self.opacity).min(ALMOST_ONE);
             let sample = self.covered.sample(from, mode, u_lobe, u)?;
+            if planted(Fault::OpacityLeftOut) {
+                return Some(sample);
+            }
             Some(sample.chosen_with(self.opacity))
         } else {
             let open = 1.0 - self.opacity;

@@ -1,5 +1,6 @@
 //! The materials of a scene.
 
+use super::disney_sum::{DisneyLobes, DisneySum};
 use super::microfacet::{MicrofacetDistribution, Microfacets};
 use super::perturbed::NormalPerturbation;
 use super::plastic::Plastic;
@@ -41,6 +42,17 @@ pub enum Material {
         /// As for `Conductor`.
         k: Rgb,
         /// Factor on reflection.
+        specular_reflectance: u32,
+    },
+    /// Rough metal whose microfacet normals follow a power of the cosine.
+    AshikhminShirley {
+        /// Roughness of the Beckmann distribution of the same width, from 1e-4 to 1.
+        alpha: f32,
+        /// As for `Conductor`.
+        eta: Rgb,
+        /// As for `Conductor`.
+        k: Rgb,
+        /// As for `Conductor`.
         specular_reflectance: u32,
     },
     /// Smooth interface between two transparent media.
@@ -91,6 +103,8 @@ pub enum Material {
     Principled(Principled),
     /// Disney's model of thin surfaces.
     PrincipledThin(PrincipledThin),
+    /// Disney's model as lajolla has it, or one of its lobes.
+    DisneySum(DisneySum),
     /// A material that covers a fraction of the surface; light passes elsewhere.
     Mask {
         /// The fraction, the luminance of a texture.
@@ -143,7 +157,7 @@ impl Material {
         match self {
             Self::Diffuse { .. } => "diffuse",
             Self::Conductor { .. } => "conductor",
-            Self::RoughConductor { .. } => "roughconductor",
+            Self::RoughConductor { .. } | Self::AshikhminShirley { .. } => "roughconductor",
             Self::Dielectric { .. } => "dielectric",
             Self::RoughDielectric { .. } => "roughdielectric",
             Self::Plastic(_) => "plastic",
@@ -152,6 +166,12 @@ impl Material {
             Self::Phong { .. } => "phong",
             Self::Principled(_) => "principled",
             Self::PrincipledThin(_) => "principledthin",
+            Self::DisneySum(disney) => match disney.lobes {
+                DisneyLobes::All => "disneybsdf",
+                DisneyLobes::Diffuse => "disneydiffuse",
+                DisneyLobes::Sheen => "disneysheen",
+                DisneyLobes::Clearcoat => "disneyclearcoat",
+            },
             Self::Mask { .. } => "mask",
             Self::Blend { .. } => "blendbsdf",
             Self::NormalMap { .. } => "normalmap",
@@ -215,11 +235,13 @@ impl Material {
         match self {
             Material::Diffuse { .. }
             | Material::RoughConductor { .. }
+            | Material::AshikhminShirley { .. }
             | Material::Plastic(_)
             | Material::RoughPlastic(_)
             | Material::Phong { .. }
             | Material::Principled(_)
-            | Material::PrincipledThin(_) => true,
+            | Material::PrincipledThin(_)
+            | Material::DisneySum(_) => true,
             Material::RoughDielectric { eta, .. } => !is_index_matched(*eta),
             Material::Conductor { .. }
             | Material::Dielectric { .. }
@@ -257,12 +279,14 @@ impl Material {
             | Material::PrincipledThin(_)
             | Material::Mask { .. } => true,
             Material::Principled(principled) => principled.transmits,
+            Material::DisneySum(disney) => disney.transmits,
             Material::NormalMap { base, .. } | Material::BumpMap { base, .. } => base.transmits(),
             Material::Blend { first, second, .. } => first.transmits() || second.transmits(),
             Material::TwoSided { front, back } => front.transmits() || back.transmits(),
             Material::Diffuse { .. }
             | Material::Conductor { .. }
             | Material::RoughConductor { .. }
+            | Material::AshikhminShirley { .. }
             | Material::Plastic(_)
             | Material::RoughPlastic(_)
             | Material::Phong { .. } => false,

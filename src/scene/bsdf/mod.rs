@@ -5,6 +5,7 @@
 //! becomes one of the models that implement `Bsdf`, each in a file of its own. Some models contain others: a mask, a
 //! blend, perturbed normals, the two sides of a surface.
 
+mod ashikhmin_shirley;
 mod at_point;
 mod blend;
 mod conductor;
@@ -12,6 +13,8 @@ mod context;
 mod dielectric;
 mod diffuse;
 mod disney;
+mod disney_sum;
+mod facet;
 mod fresnel;
 pub mod ior;
 mod mask;
@@ -37,6 +40,7 @@ mod two_sided;
 mod tests;
 
 pub use context::MaterialContext;
+pub use disney_sum::{DisneyLobes, DisneySum};
 pub use material::Material;
 pub use microfacet::MicrofacetDistribution;
 pub use model::{BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};

@@ -12,6 +12,7 @@ use glam::{Vec2, Vec3A};
 
 use super::mask::ALMOST_ONE;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use crate::fault::{Fault, planted};
 use crate::math::{Frame, Rgb};
 
 /// How a perturbed normal is used.
@@ -80,7 +81,11 @@ impl<B: Bsdf> Bsdf for PerturbedBsdf<B> {
         BsdfEvaluation {
             f: evaluation.f * self.cosine_ratio(normal, light, to_light),
             pdf_to_light: evaluation.pdf_to_light,
-            pdf_to_camera: evaluation.pdf_to_camera * self.probability(normal, to_light),
+            pdf_to_camera: if planted(Fault::NormalProbabilityLeftOut) {
+                evaluation.pdf_to_camera
+            } else {
+                evaluation.pdf_to_camera * self.probability(normal, to_light)
+            },
         }
     }
 
@@ -206,6 +211,9 @@ impl<B> PerturbedBsdf<B> {
     /// `light` is `to_light` in the frame of `normal`.
     #[inline]
     fn cosine_ratio(&self, normal: Vec3A, light: Vec3A, to_light: Vec3A) -> f32 {
+        if planted(Fault::PerturbedCosineLeftOut) {
+            return 1.0;
+        }
         let cos = to_light.z.abs();
         if !self.perturbation.use_shadowing_function {
             return (light.z.abs() / cos).min(MAX_COSINE_RATIO);

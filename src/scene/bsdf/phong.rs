@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3A};
 
 use super::mask::ALMOST_ONE;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use crate::fault::{Fault, planted};
 use crate::math::{Frame, luminance};
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::scene::texture::TextureAt;
@@ -43,8 +44,13 @@ impl Bsdf for PhongBsdf<'_> {
         let pdf = |direction: Vec3A| {
             p * (n + 1.0) * power + (1.0 - p) * cosine_hemisphere_pdf(direction.z)
         };
+        let normalisation = if planted(Fault::PhongNormalisedAsDensity) {
+            n + 1.0
+        } else {
+            n + 2.0
+        };
         BsdfEvaluation {
-            f: self.diffuse.color() * FRAC_1_PI + self.specular.color() * ((n + 2.0) * power),
+            f: self.diffuse.color() * FRAC_1_PI + self.specular.color() * (normalisation * power),
             pdf_to_light: pdf(to_light),
             pdf_to_camera: pdf(to_camera),
         }

@@ -7,9 +7,8 @@
 use glam::{Vec2, Vec3A};
 
 use super::context::MaterialContext;
-use super::dielectric::eta_across;
 use super::disney::{self, Base, ClearcoatMicrofacets};
-use super::fresnel::{self, Interface};
+use super::facet::{Facet, VisibleFacet};
 use super::microfacet::{MicrofacetDistribution, Microfacets};
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use crate::math::Rgb;
@@ -59,20 +58,6 @@ pub(super) struct PrincipledBsdf {
     eta: f32,
 }
 
-/// Reflection or transmission by one microfacet.
-struct Facet {
-    /// D gamma gamma times the Jacobian of the half vector, 1/sr.
-    lobe: f32,
-    /// Density per steradian of sampling the light's direction by the microfacet, and of the camera's.
-    pdf_to_light: f32,
-    pdf_to_camera: f32,
-    /// Fresnel reflectance of a dielectric.
-    reflectance: f32,
-    /// Absolute cosine between the camera's direction and the normal of the microfacet.
-    cos: f32,
-    reflects: bool,
-}
-
 impl PrincipledBsdf {
     #[inline]
     pub fn new(material: &Principled, context: &MaterialContext) -> Self {
@@ -113,39 +98,6 @@ impl PrincipledBsdf {
     #[inline]
     fn transmission_weight(&self) -> f32 {
         (1.0 - self.metallic) * self.spec_trans
-    }
-
-    /// The microfacet that scatters one direction into the other, as in `rough_dielectric`; `None` if none does.
-    #[inline]
-    fn facet(&self, to_light: Vec3A, to_camera: Vec3A) -> Option<Facet> {
-        let across = eta_across(self.eta, to_camera);
-        let reflects = to_light.z * to_camera.z > 0.0;
-        // Index of the light's side over that of the camera's side.
-        let eta = if reflects { 1.0 } else { across };
-        let m = (to_camera + eta * to_light).normalize_or_zero();
-        let m = if m.z < 0.0 { -m } else { m };
-        let (light_m, camera_m) = (to_light.dot(m), to_camera.dot(m));
-        if !(light_m * to_light.z > 0.0 && camera_m * to_camera.z > 0.0) {
-            return None;
-        }
-        let cos = camera_m.abs().min(1.0);
-        let light = self.microfacets.masking_over_cosine(to_light);
-        let camera = self.microfacets.masking_over_cosine(to_camera);
-        let d = self.microfacets.density(m);
-        let (density, squared_index) = if reflects {
-            (0.25 * d, 1.0)
-        } else {
-            let root = camera_m + eta * light_m;
-            (d * (light_m * camera_m).abs() / (root * root), eta * eta)
-        };
-        Some(Facet {
-            lobe: density * light * camera,
-            pdf_to_light: density * camera * squared_index,
-            pdf_to_camera: density * light,
-            reflectance: fresnel::dielectric(cos, across).reflectance,
-            cos,
-            reflects,
-        })
     }
 
     /// Reflectance of the microfacets: that of a dielectric, that of a metal, and that of a dielectric tinted by the
@@ -194,7 +146,7 @@ impl PrincipledBsdf {
         let masking = ClearcoatMicrofacets::masking;
         let fresnel = disney::schlick(Rgb::splat(0.04), cos, self.eta);
         let weight = 0.25 * self.clearcoat * d * masking(to_light) * masking(to_camera);
-        let pdf = chosen.clearcoat * d * m.z / (4.0 * cos.max(1e-6));
+        let pdf = chosen.clearcoat * self.clearcoat_microfacets.reflection_pdf(m, cos);
         layers
             + BsdfEvaluation {
                 f: weight * fresnel,
@@ -249,7 +201,7 @@ impl Bsdf for PrincipledBsdf {
         } else {
             BsdfEvaluation::ZERO
         };
-        let Some(facet) = self.facet(to_light, to_camera) else {
+        let Some(facet) = Facet::between(&self.microfacets, self.eta, to_light, to_camera) else {
             return layers;
         };
         let f = if facet.reflects {
@@ -288,33 +240,21 @@ impl Bsdf for PrincipledBsdf {
                 return self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0);
             }
             if u_lobe < base + clearcoat {
-                let m = self.clearcoat_microfacets.sample(u);
-                let direction = (2.0 * from.dot(m) * m - from).normalize();
-                return (from.dot(m) > 0.0 && direction.z > 0.0)
-                    .then(|| self.density_sample(from, direction, mode, 1.0))?;
+                let direction = self.clearcoat_microfacets.sample_reflection(from, u)?;
+                return self.density_sample(from, direction, mode, 1.0);
             }
             u_lobe -= base + clearcoat;
         }
-        let side = 1.0_f32.copysign(from.z);
-        let v = from * side;
-        let m = self.microfacets.sample_visible(v, u);
-        let cos = v.dot(m).clamp(0.0, 1.0);
-        let across = eta_across(self.eta, from);
-        let Interface { reflectance, cos_t } = fresnel::dielectric(cos, across);
-        let (reflection, transmission) = self.facet_choices(reflectance, in_front);
+        let facet = VisibleFacet::sample(&self.microfacets, self.eta, from, u);
+        let (reflection, transmission) = self.facet_choices(facet.reflectance(), in_front);
         // The sum is below 1 by the rounding of `u_lobe`: transmission comes first, as it may be impossible.
         let (direction, eta) = if u_lobe < transmission {
-            let inv_eta = across.recip();
-            let direction = (cos * inv_eta - cos_t) * m - v * inv_eta;
-            (direction, across)
+            (facet.refracted()?, facet.eta())
         } else if reflection > 0.0 {
-            (2.0 * cos * m - v, 1.0)
+            (facet.reflected()?, 1.0)
         } else {
             return None;
         };
-        if (eta == 1.0) != (direction.z > 0.0) {
-            return None;
-        }
-        self.density_sample(from, side * direction.normalize(), mode, eta)
+        self.density_sample(from, direction, mode, eta)
     }
 }

@@ -3,8 +3,8 @@
 use glam::Affine2;
 
 use super::super::{
-    Material, MicrofacetDistribution, NormalPerturbation, Principled, PrincipledThin, Roughness,
-    metals,
+    DisneyLobes, DisneySum, Material, MicrofacetDistribution, NormalPerturbation, Principled,
+    PrincipledThin, Roughness, metals,
 };
 use crate::math::Rgb;
 use crate::scene::Texture;
@@ -78,6 +78,16 @@ pub fn rough_conductor(
     }
 }
 
+pub fn ashikhmin_shirley(alpha: f32, specular_reflectance: u32) -> Material {
+    let (eta, k) = metals::metal("Al").expect("aluminium");
+    Material::AshikhminShirley {
+        alpha,
+        eta,
+        k,
+        specular_reflectance,
+    }
+}
+
 pub fn dielectric(eta: f32, reflectance: u32, transmittance: u32) -> Material {
     Material::Dielectric {
         eta,
@@ -120,6 +130,14 @@ pub fn connectible() -> Vec<(&'static str, Material)> {
         (
             "rough Beckmann metal",
             rough_conductor(Beckmann, 0.8, "none", WHITE),
+        ),
+        (
+            "shiny Ashikhmin-Shirley metal",
+            ashikhmin_shirley(0.1, TINT),
+        ),
+        (
+            "rough Ashikhmin-Shirley metal",
+            ashikhmin_shirley(0.8, WHITE),
         ),
         (
             "shiny GGX glass",
@@ -355,7 +373,38 @@ pub fn thin_principled(spec_trans: u32) -> PrincipledThin {
     }
 }
 
+/// Disney's model as a sum of lobes, with everything.
+pub fn disney_sum(lobes: DisneyLobes) -> DisneySum {
+    DisneySum {
+        lobes,
+        base_color: COLOR,
+        roughness: LIGHT_GREY,
+        anisotropic: GREY,
+        metallic: GREY,
+        specular_transmission: BLACK,
+        specular: HALF,
+        specular_tint: GREY,
+        subsurface: GREY,
+        sheen: LIGHT_GREY,
+        sheen_tint: GREY,
+        clearcoat: LIGHT_GREY,
+        clearcoat_gloss: GREY,
+        eta: 1.5,
+        transmits: false,
+    }
+}
+
+/// As [`disney_sum`], with transmission.
+pub fn transparent_disney_sum(specular_transmission: u32) -> DisneySum {
+    DisneySum {
+        specular_transmission,
+        transmits: true,
+        ..disney_sum(DisneyLobes::All)
+    }
+}
+
 fn disney() -> Vec<(&'static str, Material)> {
+    let sum = |lobes| Material::DisneySum(disney_sum(lobes));
     vec![
         ("principled", Material::Principled(opaque_principled())),
         (
@@ -370,6 +419,14 @@ fn disney() -> Vec<(&'static str, Material)> {
         (
             "thin glass",
             Material::PrincipledThin(thin_principled(GREY)),
+        ),
+        ("sum of lobes", sum(DisneyLobes::All)),
+        ("retroreflection", sum(DisneyLobes::Diffuse)),
+        ("sheen", sum(DisneyLobes::Sheen)),
+        ("clearcoat", sum(DisneyLobes::Clearcoat)),
+        (
+            "sum of lobes with glass",
+            Material::DisneySum(transparent_disney_sum(LIGHT_GREY)),
         ),
     ]
 }

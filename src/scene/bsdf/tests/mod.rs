@@ -1,7 +1,11 @@
 //! Tests of materials, and what they share: directions, and integration over the sphere.
 
+mod both_ends;
+mod disney;
+mod faults;
 mod materials;
 mod mitsuba;
+mod phong;
 mod physics;
 mod sampling;
 mod surfaces;
@@ -100,7 +104,7 @@ fn integrate_evenly(f: &impl Fn(Vec3A) -> f64, theta: [f64; 2], phi: [f64; 2]) -
 }
 
 /// Integral of `f` over the upper hemisphere.
-fn integrate_hemisphere(f: &impl Fn(Vec3A) -> f64) -> f64 {
+pub(super) fn integrate_hemisphere(f: &impl Fn(Vec3A) -> f64) -> f64 {
     let step = PI / 16.0;
     let mut sum = 0.0;
     for i in 0..8 {
