@@ -30,6 +30,8 @@ pub struct Builder<'a> {
     pub texture_of: HashMap<usize, u32>,
     /// Why a texture is no reflectance: an image with values outside [0, 1]. By index of the texture.
     pub out_of_range: HashMap<u32, LoadError>,
+    /// Why a texture is no radiance: an image with negative values. By index of the texture.
+    pub negative: HashMap<u32, LoadError>,
     /// The materials of objects: index of the object to index of the material.
     pub material_of: HashMap<usize, u32>,
     /// Surfaces.
@@ -54,6 +56,7 @@ impl<'a> Builder<'a> {
             materials: Vec::new(),
             texture_of: HashMap::new(),
             out_of_range: HashMap::new(),
+            negative: HashMap::new(),
             material_of: HashMap::new(),
             shapes: Vec::new(),
             emitters: Vec::new(),

@@ -2,6 +2,8 @@
 
 use super::fixtures;
 use metrolight::film::{Decode, ReadImageError, read_image};
+use metrolight::mitsuba::{LoadError, load};
+use metrolight::scene::{Radiance, SceneDescription};
 use std::fs;
 use tempfile::TempDir;
 
@@ -113,4 +115,43 @@ fn excessive_sizes_are_rejected_before_allocation() {
         "b.hdr",
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 11000 +X 11000\n",
     );
+}
+
+/// The radiance of a lamp may exceed 1, unlike a reflectance, but it is not negative.
+#[test]
+fn images_give_any_radiance_that_is_not_negative() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let with_value = |value: f32| -> Result<SceneDescription, LoadError> {
+        let pixel = |x: usize, _: usize| {
+            if x == 0 {
+                (0.5, 0.5, 0.5)
+            } else {
+                (value, 0.0, 1.0)
+            }
+        };
+        let lamp = folder.path().join("lamp.exr");
+        exr::prelude::write_rgb_file(lamp, 2, 1, pixel).expect("a writable file");
+        let scene = folder.path().join("scene.xml");
+        let text = r#"<scene version="3.0.0"><sensor type="perspective"/>
+            <shape type="rectangle"><emitter type="area"><texture type="bitmap" name="radiance">
+            <string name="filename" value="lamp.exr"/></texture></emitter></shape></scene>"#;
+        fs::write(&scene, text).expect("a writable file");
+        load(&scene, &[]).map(|loaded| loaded.description)
+    };
+    let scene = with_value(40.0).expect("a scene");
+    let Some(Radiance::Texture(radiance)) = scene.shapes[0].emission else {
+        panic!("{:?}", scene.shapes[0].emission);
+    };
+    assert_eq!(scene.textures[radiance as usize].max().x, 40.0);
+    match with_value(-0.25) {
+        Ok(_) => panic!("negative radiance loads"),
+        Err(error) => {
+            let text = error.to_string();
+            let says = |phrase| text.contains(phrase);
+            assert!(
+                says("0 or above") && says("-0.25") && says("scene.xml:3"),
+                "{text}"
+            );
+        }
+    }
 }

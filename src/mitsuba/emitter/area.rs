@@ -10,7 +10,8 @@ use crate::scene::{EmitterDescription, Radiance};
 pub fn radiance(builder: &mut Builder, object: &Object) -> Result<Radiance, LoadError> {
     match object.find("radiance").map(|property| &property.value) {
         Some(&Value::Object(index)) => {
-            texture::texture(builder, index, texture::Range::Any).map(Radiance::Texture)
+            let texture = texture::texture(builder, index, texture::Range::NonNegative)?;
+            Ok(Radiance::Texture(texture))
         }
         _ => emission(object, "radiance").map(Radiance::Constant),
     }

@@ -42,6 +42,7 @@ pub fn from_file<'a>(
     }
     let is_reflectance = |x: f32| (0.0..=1.0).contains(&x);
     let out_of_range = file.invalid_pixel("between 0 and 1", is_reflectance);
+    let negative = file.invalid_pixel("0 or above", |x| x >= 0.0);
     let image = file.image;
     let (width, height) = (image.width, image.height);
     let bitmap = Bitmap::new(width, height, image.pixels, interpolation, wrap, to_uv)
@@ -49,6 +50,7 @@ pub fn from_file<'a>(
     Ok(LoadedTexture {
         texture: Texture::Bitmap(bitmap),
         out_of_range,
+        negative,
     })
 }
 

@@ -17,5 +17,6 @@ pub fn checkerboard(_: &mut Builder, object: &Object) -> Result<LoadedTexture, L
     Ok(LoadedTexture {
         texture,
         out_of_range: None,
+        negative: None,
     })
 }

@@ -9,4 +9,6 @@ pub struct LoadedTexture {
     pub texture: Texture,
     /// An error if it has values outside [0, 1].
     pub out_of_range: Option<LoadError>,
+    /// An error if it has negative values.
+    pub negative: Option<LoadError>,
 }

@@ -26,6 +26,8 @@ const PLUGINS: [(&str, Constructor); 2] = [
 pub enum Range {
     /// From 0 to 1.
     UnitInterval,
+    /// Any finite values that are not negative.
+    NonNegative,
     /// Any finite values.
     Any,
 }
@@ -36,13 +38,12 @@ pub fn texture(builder: &mut Builder, index: usize, range: Range) -> Result<u32,
         Some(&texture) => texture,
         None => new_texture(builder, index)?,
     };
-    match range {
-        Range::UnitInterval => match builder.out_of_range.remove(&texture) {
-            Some(error) => Err(error),
-            None => Ok(texture),
-        },
-        Range::Any => Ok(texture),
-    }
+    let error = match range {
+        Range::UnitInterval => builder.out_of_range.remove(&texture),
+        Range::NonNegative => builder.negative.remove(&texture),
+        Range::Any => None,
+    };
+    error.map_or(Ok(texture), Err)
 }
 
 fn new_texture(builder: &mut Builder, index: usize) -> Result<u32, LoadError> {
@@ -58,6 +59,9 @@ fn add(builder: &mut Builder, loaded: LoadedTexture) -> u32 {
     let texture = builder.add_texture(loaded.texture);
     if let Some(error) = loaded.out_of_range {
         builder.out_of_range.insert(texture, error);
+    }
+    if let Some(error) = loaded.negative {
+        builder.negative.insert(texture, error);
     }
     texture
 }

@@ -1,6 +1,6 @@
-//! Rough metals whose microfacet normals follow a power of the cosine, seen from the front: Mitsuba 0.6's `roughconductor`
-//! with the distribution `as` and one roughness (Ashikhmin and Shirley 2000, "An anisotropic Phong BRDF model", with
-//! equal exponents).
+//! Rough metals whose microfacet normals follow a power of the cosine, seen from the front: Mitsuba 0.6's
+//! `roughconductor` with the distribution `as` and one roughness (Ashikhmin and Shirley 2000, "An anisotropic
+//! Phong BRDF model", with equal exponents).
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -22,9 +22,9 @@ pub(super) struct AshikhminShirleyBsdf<'a> {
 }
 
 impl AshikhminShirleyBsdf<'_> {
-    /// D(m) = (n + 2) / (2 pi) cos^n of the unit normal `m` (Walter et al. 2007, "Microfacet models for refraction through
-    /// rough surfaces", equation 30), where the exponent n = 2 / alpha^2 - 2 gives the width of Beckmann's distribution of
-    /// roughness alpha (section 5.3).
+    /// D(m) = (n + 2) / (2 pi) cos^n of the unit normal `m` (Walter et al. 2007, "Microfacet models for
+    /// refraction through rough surfaces", equation 30), where the exponent n = 2 / alpha^2 - 2 gives the width
+    /// of Beckmann's distribution of roughness alpha (section 5.2).
     #[inline]
     fn density(&self, m: Vec3A) -> f32 {
         let alpha2 = self.alpha * self.alpha;
@@ -47,8 +47,9 @@ impl AshikhminShirleyBsdf<'_> {
 }
 
 impl Bsdf for AshikhminShirleyBsdf<'_> {
-    /// f = F D G / (4 cos cos), with the masking of Beckmann's distribution of the same roughness (Walter et al. 2007, section
-    /// 5.3), which is exact here.
+    /// f = F D G / (4 cos cos), with the masking of Beckmann's distribution of the same roughness (Walter et
+    /// al. 2007, section 5.2), which is exact here. It is not that of D: at grazing angles a rough metal
+    /// reflects more than it receives.
     #[inline]
     fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
         let Some(lobe) = rough_reflection::evaluate(self.sampled(), to_light, to_camera) else {
@@ -79,8 +80,8 @@ mod tests {
     use super::*;
     use crate::scene::Texture;
 
-    /// D cos integrates to 1, since the projected area of the microfacets is that of the surface; and D is the power of the
-    /// cosine as it is written.
+    /// D cos integrates to 1, since the projected area of the microfacets is that of the surface; and D is the
+    /// power of the cosine as it is written.
     #[test]
     fn normals_follow_a_power_of_the_cosine() {
         let white = Texture::Constant(Rgb::ONE);

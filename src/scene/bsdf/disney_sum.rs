@@ -6,8 +6,8 @@
 //!
 //!   f = (1 - t)(1 - m) f_diffuse + (1 - m) s f_sheen + (1 - t (1 - m)) f_metal + c/4 f_clearcoat + (1 - m) t f_glass,
 //!
-//! where all but f_glass are 0 unless both directions are in front. Mitsuba 3's `principled` has other weights, a clearcoat
-//! without the cosines in its denominator, and one Fresnel term for all microfacets.
+//! where all but f_glass are 0 unless both directions are in front. Mitsuba 3's `principled` has other weights,
+//! a clearcoat without the cosines in its denominator, and one Fresnel term for all microfacets.
 
 use glam::{Vec2, Vec3A};
 
@@ -114,8 +114,8 @@ impl Weights {
         }
     }
 
-    /// Probabilities of sampling the lobes from the front, in proportion to their weights. Sheen is sampled as the diffuse
-    /// lobe is.
+    /// Probabilities of sampling the lobes from the front, in proportion to their weights. Sheen is sampled as
+    /// the diffuse lobe is.
     #[inline]
     fn probabilities(&self) -> Self {
         let base = self.diffuse + self.sheen;

@@ -12,9 +12,9 @@ use super::materials::{connectible, perfectly_smooth, textures};
 use crate::math::luminance;
 use crate::statistics::{Moments, holm, welch};
 
-/// Estimates of the integral of f |cos| |cos| over all pairs of directions, in sr: one direction is uniform on the sphere,
-/// and the other is sampled by the material. Cameras behind count threefold, so that errors in the refraction from both
-/// sides do not cancel.
+/// Estimates of the integral of f |cos| |cos| over all pairs of directions, in sr: one direction is uniform on
+/// the sphere, and the other is sampled by the material. Cameras behind count threefold, so that errors in the
+/// refraction from both sides do not cancel.
 fn scattered(material: &Material, mode: TransportMode, seed: u64) -> Moments {
     const COUNT: usize = 20_000;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);

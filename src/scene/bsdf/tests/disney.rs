@@ -62,6 +62,9 @@ struct Handout {
     channel: usize,
 }
 
+/// A lobe or a sum of lobes.
+type Lobe = dyn Fn(&Handout) -> f64;
+
 impl Handout {
     fn cos_h(&self) -> f64 {
         (self.camera + self.light).normalize().dot(self.light)
@@ -118,7 +121,7 @@ impl Handout {
 #[test]
 fn lobes_are_those_of_the_handout() {
     for [camera, light] in PAIRS {
-        let expected = |lobe: &dyn Fn(&Handout) -> f64| {
+        let expected = |lobe: &Lobe| {
             let [camera, light] = [camera, light].map(|(x, y, z)| unit(x, y, z).as_dvec3());
             Rgb::from_array([0, 1, 2].map(|channel| {
                 lobe(&Handout {
@@ -134,7 +137,7 @@ fn lobes_are_those_of_the_handout() {
                 + h.metal()
                 + 0.25 * LIGHT_GREY_VALUE * h.clearcoat()
         };
-        let cases: [(DisneyLobes, &dyn Fn(&Handout) -> f64); 4] = [
+        let cases: [(DisneyLobes, &Lobe); 4] = [
             (DisneyLobes::Diffuse, &Handout::diffuse),
             (DisneyLobes::Sheen, &Handout::sheen),
             (DisneyLobes::Clearcoat, &Handout::clearcoat),

@@ -34,9 +34,9 @@ fn at_normal_incidence_all_light_of_the_lobe_is_reflected() {
     }
 }
 
-/// For n = 0 the lobe is k_s / pi in all directions. For n = 1 it is 3 k_s / (2 pi) max(0, r.w), where r is the mirrored
-/// direction, at the angle a from the normal; the integral of max(0, r.w) max(0, n.w) over the sphere is
-/// 2/3 (sin a + (pi - a) cos a).
+/// For n = 0 the lobe is k_s / pi in all directions. For n = 1 it is 3 k_s / (2 pi) max(0, r.w), where r is the
+/// mirrored direction, at the angle a from the normal; the integral of max(0, r.w) max(0, n.w) over the sphere
+/// is 2/3 (sin a + (pi - a) cos a).
 #[test]
 fn albedos_are_those_of_closed_forms() {
     for degrees in [0.0_f32, 20.0, 50.0, 75.0, 89.0] {

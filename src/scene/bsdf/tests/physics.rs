@@ -149,8 +149,8 @@ fn albedo(material: &Material, from: Vec3A, seed: u64) -> (f64, f64) {
 #[test]
 fn energy_is_conserved() {
     // Disney's models are known to exceed 1 (Burley 2012, section 5.1), and light that a perturbed normal scatters
-    // exceeds what falls on the shading normal. The masking of `AshikhminShirley` is that of another distribution, whose
-    // microfacets hide less of each other at grazing angles.
+    // exceeds what falls on the shading normal. The masking of `AshikhminShirley` is that of another
+    // distribution, whose microfacets hide less of each other at grazing angles.
     let conserves = |(_, material): &(&str, Material)| {
         let is_disney = matches!(
             material,
