@@ -15,6 +15,7 @@ ALPHA. Without the Python package `mitsuba` the last two columns are empty.
 
 import argparse
 import json
+import math
 import re
 import statistics
 import subprocess
@@ -35,9 +36,10 @@ def arguments():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--list", type=Path, help="file with one path a line, relative to the folder")
     parser.add_argument("--spp", type=int, default=64, help="samples per pixel of one rendering")
-    parser.add_argument("--size", default="64x48", help="size of the images")
+    parser.add_argument("--size", default="64x48", help="the images fill this size, in the scene's proportions")
     parser.add_argument("--only", default="", help="only scenes whose path contains this")
     parser.add_argument("-D", dest="defines", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--program", type=Path, default=PROGRAM, help="the program; its release build by default")
     return parser.parse_args()
 
 
@@ -49,26 +51,45 @@ def scenes(folder, listed):
     return sorted(str(path.relative_to(folder)) for path in files)
 
 
-def run(*words):
-    return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
+def run(program, *words):
+    return subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
 
 
-def refusals(path, defines):
+def check(path, args, defines):
+    """The report of the scene."""
+    return json.loads(run(args.program, "check", path, "--json", *defines).stdout)
+
+
+def refusals(report):
     """The reasons for which a scene is refused, without their places; none if it loads."""
-    finished = run("check", path, "--json", *defines)
-    report = json.loads(finished.stdout)
     reasons = [re.sub(r"^\S+?:\d+:\d+: ", "", reason) for reason in report.get("errors", [])]
     reasons = [re.sub(r" \(known: .*\)|; did you mean.*", "", reason) for reason in reasons]
     return list(dict.fromkeys(reasons))
 
 
-def ours(path, args, defines, folder):
+def size_within(report, largest):
+    """The largest size up to `largest` in the proportions of the scene's film.
+
+    Mitsuba fixes the horizontal field of view when it loads a scene: with other proportions it shows another image
+    than a scene with a film of that size.
+    """
+    width, height = map(int, re.match(r"(\d+) x (\d+)", report["contents"]["image"]).groups())
+    divisor = math.gcd(width, height)
+    unit = (width // divisor, height // divisor)
+    times = min(largest[0] // unit[0], largest[1] // unit[1])
+    if times > 0:
+        return unit[0] * times, unit[1] * times
+    scale = min(largest[0] / width, largest[1] / height)
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def ours(path, args, defines, size, folder):
     """Renderings with different seeds."""
     images = []
     for seed in range(SEEDS):
         out = Path(folder) / "ours.exr"
-        words = ["--integrator", "path", "--spp", args.spp, "--size", args.size, "--seed", seed, "-q", "-o", out]
-        finished = run("render", path, *words, *defines)
+        words = ["--integrator", "path", "--spp", args.spp, "--size", f"{size[0]}x{size[1]}", "--seed", seed, "-q", "-o", out]
+        finished = run(args.program, "render", path, *words, *defines)
         if finished.returncode != 0:
             return None
         images.append(read(out))
@@ -82,18 +103,17 @@ def read(path):
     return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
 
 
-def theirs(path, args):
+def theirs(path, args, size):
     """Mitsuba's renderings with its path tracer, under the depth limits of the scene; None if it cannot."""
     import mitsuba as mi
     import numpy as np
 
-    width, height = map(int, args.size.split("x"))
     try:
         scene = mi.load_file(str(path), **dict(define.split("=", 1) for define in args.defines))
         params = mi.traverse(scene)
         film = next(key for key in params.keys() if key.endswith("film.size"))
-        params[film] = (width, height)
-        params[film.replace("size", "crop_size")] = (width, height)
+        params[film] = size
+        params[film.replace("size", "crop_size")] = size
         params[film.replace("size", "crop_offset")] = (0, 0)
         params.update()
         images = [np.array(mi.render(scene, spp=args.spp, seed=100 + i))[..., :3] for i in range(SEEDS)]
@@ -143,14 +163,16 @@ def main():
             continue
         path = args.folder / name
         total += 1
-        reasons = refusals(path, defines)
+        report = check(path, args, defines)
+        reasons = refusals(report)
         ratio, differing = "", ""
         if not reasons:
             loaded += 1
-            other = theirs(path, args) if has_mitsuba else None
+            size = size_within(report, tuple(map(int, args.size.split("x"))))
+            other = theirs(path, args, size) if has_mitsuba else None
             if other is not None:
                 with tempfile.TemporaryDirectory() as folder:
-                    own = ours(path, args, defines, folder)
+                    own = ours(path, args, defines, size, folder)
                 if own is not None:
                     mean, count, tiles = compare(own, other)
                     ratio, differing = f"{mean:.4f}", f"{count} of {tiles}"

@@ -7,8 +7,8 @@ use super::error::Warning;
 use super::xml::{Object, Property};
 
 /// How the names of parameters of research forks begin: specular manifold sampling marks casters, receivers
-/// and emitters of caustics, and describes glints.
-const OF_FORKS: [&str; 2] = ["caustic_", "glint_"];
+/// and emitters of caustics, and describes glints; path guiding by mixture models names the files of its models.
+const OF_FORKS: [&str; 3] = ["caustic_", "glint_", "sdmm_"];
 
 /// True for a parameter that a research fork of Mitsuba added.
 pub fn is_of_a_fork(name: &str) -> bool {

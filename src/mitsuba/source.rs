@@ -134,6 +134,11 @@ impl Place {
         (mark.line, mark.column + characters)
     }
 
+    /// The text of the range.
+    pub(super) fn text(&self) -> &str {
+        self.file.text.get(self.span.clone()).unwrap_or_default()
+    }
+
     /// The range, for a report that marks the fault.
     pub(super) fn span(&self) -> SourceSpan {
         (self.span.start, self.span.len()).into()

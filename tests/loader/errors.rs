@@ -602,3 +602,49 @@ fn reports_show_the_faulty_line() {
     assert!(report.contains("scene.xml:2:22"), "{report}");
     assert!(report.lines().count() < 24, "{report}");
 }
+
+#[test]
+fn a_variable_that_decides_the_name_of_a_missing_include_is_named() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect(name);
+    };
+    write(
+        "scene.xml",
+        &format!(
+            r#"<scene version="0.6.0">{BASE}<default name="method" value="guided"/>
+<include filename="methods/$method.xml"/></scene>"#
+        ),
+    );
+    let path = folder.path().join("scene.xml");
+    let message = |defines: &[(String, String)]| match load(&path, defines) {
+        Ok(_) => "loads".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    let without = message(&[]);
+    let phrase = "no such folder; `$method` is `guided`; -D method=VALUE gives it another value";
+    assert!(
+        without.contains("scene.xml:2:20: cannot read "),
+        "{without}"
+    );
+    assert!(without.ends_with(phrase), "{without}");
+
+    // Settings as published: parameters of the scene, which have no effect, and an integrator.
+    write(
+        "methods/path.xml",
+        r#"<scene version="0.6.0"><integer name="maxDepth" value="10"/>
+           <integrator type="volpath"><boolean name="nee" value="false"/></integrator></scene>"#,
+    );
+    let with_folder = message(&[]);
+    assert!(with_folder.contains("no such file; "), "{with_folder}");
+    assert!(with_folder.ends_with("(known: path.xml)"), "{with_folder}");
+    let loaded = load(&path, &[("method".into(), "path".into())]).expect("a scene");
+    let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let ignored = "path.xml:1:24: `maxDepth` has no effect in <scene>: it is ignored";
+    assert!(
+        warnings.iter().any(|warning| warning.ends_with(ignored)),
+        "{warnings:?}"
+    );
+}

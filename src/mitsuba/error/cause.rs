@@ -225,6 +225,24 @@ pub enum Cause {
     /// Files that include each other.
     #[error("circular include: {} includes itself", shown_long(.0.display()))]
     IncludeCycle(PathBuf),
+    /// A file to include is missing, and `$variables` decide its name.
+    #[error(
+        "cannot read {}: no such {}; {}{}",
+        shown_long(path.display()),
+        if *has_folder { "file" } else { "folder" },
+        values(variables),
+        listed(found)
+    )]
+    MissingInclude {
+        /// The file.
+        path: PathBuf,
+        /// The variables in its name, and their values.
+        variables: Vec<(String, String)>,
+        /// The folder in which it should be exists.
+        has_folder: bool,
+        /// The names of the scene files in that folder.
+        found: Vec<String>,
+    },
     /// Too many files are included.
     #[error("more than {0} files are included")]
     TooManyIncludes(usize),
@@ -295,4 +313,14 @@ fn found(version: &Option<String>) -> String {
     version
         .as_ref()
         .map_or(String::new(), |text| format!(", not \"{}\"", shown(text)))
+}
+
+/// What the variables are, and how to change that.
+fn values(variables: &[(String, String)]) -> String {
+    let value = |(name, value): &(String, String)| {
+        let (name, value) = (shown(name), shown(value));
+        format!("`${name}` is `{value}`; -D {name}=VALUE gives it another value")
+    };
+    let values: Vec<String> = variables.iter().map(value).collect();
+    values.join("; ")
 }

@@ -18,7 +18,7 @@ use super::substitution::Substitution;
 use super::transform::transform;
 use super::within::Within;
 use super::{lenient, spectrum, upgrade, value};
-use crate::mitsuba::error::{Cause, Faults, LoadError, Located, Warning};
+use crate::mitsuba::error::{Cause, Faults, LoadError, Located, Warning, shown};
 use crate::mitsuba::source::Place;
 
 /// Maximum number of included files. Without a limit, files that each include the next one twice
@@ -293,7 +293,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Adds a parameter to the enclosing object.
+    /// Adds a parameter to the enclosing object. Files of version 0.x may set parameters of the scene, such as those
+    /// of an integrator that they include; there they are not an error, and have no effect.
     fn add(
         &mut self,
         name: &str,
@@ -301,11 +302,16 @@ impl Reader {
         place: &Place,
         context: Context,
     ) -> Result<(), LoadError> {
-        let name = if context.file.legacy {
-            upgrade::underscore_case(name)
-        } else {
-            name.to_owned()
-        };
+        if !context.file.legacy {
+            return self.objects[context.parent].add(name.to_owned(), value, place.clone());
+        }
+        let is_nested = matches!(value, Value::Object(_) | Value::Reference(_));
+        if context.parent == 0 && !is_nested {
+            let text = format!("`{}` has no effect in <scene>: it is ignored", shown(name));
+            self.warnings.push(place.warning(text));
+            return Ok(());
+        }
+        let name = upgrade::underscore_case(name);
         self.objects[context.parent].add(name, value, place.clone())
     }
 
@@ -353,6 +359,27 @@ impl Reader {
             return Err(to.place.error(Cause::NestedTooDeep(MAX_DEPTH)));
         }
         let path = self.search_path.locate_include(filename, &to.place);
+        let variables = self.variables.values_in(to.place.text());
+        if !path.exists() && !variables.is_empty() {
+            return Err(to.place.error(missing_include(path, variables)));
+        }
         self.file(&path, Some(to))
+    }
+}
+
+/// There is no file at `path`, whose name contains `variables`.
+fn missing_include(path: PathBuf, variables: Vec<(String, String)>) -> Cause {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let entries = std::fs::read_dir(folder);
+    let has_folder = entries.is_ok();
+    let names = entries.into_iter().flatten().flatten();
+    let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let mut found: Vec<String> = names.filter(|name| name.ends_with(".xml")).collect();
+    found.sort_unstable();
+    Cause::MissingInclude {
+        path,
+        variables,
+        has_folder,
+        found,
     }
 }

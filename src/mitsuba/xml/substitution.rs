@@ -93,6 +93,22 @@ impl Substitution {
         Ok(result)
     }
 
+    /// The names and the values of the variables that [`Self::apply`] replaces in `text`.
+    pub fn values_in(&self, text: &str) -> Vec<(String, String)> {
+        let mut values = Vec::new();
+        let mut parts = text.split('$');
+        let mut is_escaped = parts.next().is_some_and(|before| before.ends_with('\\'));
+        for part in parts {
+            let name = self.longest_match(part).filter(|_| !is_escaped);
+            if let Some((name, variable)) = name.and_then(|name| self.variables.get_key_value(name))
+            {
+                values.push((name.clone(), variable.value.clone()));
+            }
+            is_escaped = part.ends_with('\\');
+        }
+        values
+    }
+
     /// The names given on the command line that no file has used.
     pub fn unused(&self) -> impl Iterator<Item = &str> {
         let is_unused = |(_, v): &(&String, &Variable)| v.defined && !v.used;
@@ -157,6 +173,9 @@ mod tests {
             "1bd 1bb 3d 5z 1z"
         );
         assert!(s.apply("$c").is_err() && s.apply("$").is_err());
+        let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let values = s.values_in("$abd/\\$b $aéz");
+        assert_eq!(values, [pair("a", "1"), pair("aé", "5")]);
     }
 
     #[test]
