@@ -92,6 +92,36 @@ fn check_prints_json() {
         .stderr(contains("`blob`").and(contains("`velvet`")));
 }
 
+/// Glass above a floor, in a scene of radius 1.4 whose rays begin 1e-6 from surfaces; and a box that stands on it.
+#[test]
+fn surfaces_too_close_to_be_told_apart_are_named() {
+    const FLOOR: &str = r#"<shape type="rectangle" id="Floor"/><emitter type="constant"/>"#;
+    let glass = |gap: &str| {
+        format!(
+            r#"<shape type="rectangle" id="Glass"><transform name="to_world"><translate z="{gap}"/></transform>
+            <bsdf type="dielectric"/></shape>{FLOOR}"#
+        )
+    };
+    let box_on_floor = format!(
+        r#"<shape type="cube"><transform name="to_world"><scale value="0.25"/><translate z="0.25"/></transform></shape>{FLOOR}"#
+    );
+    let named = "too close to be told apart: shape \"Glass\" and shape \"Floor\"";
+    let place = Workplace::new();
+    for (body, phrase) in [
+        (glass("3e-7"), Some(named)),
+        (glass("-3e-7"), Some(named)),
+        (glass("3e-6"), None),
+        (box_on_floor, None),
+    ] {
+        fs::write(place.path("near.xml"), scene(&body)).expect("written");
+        let assert = place.run("check near.xml").assert().success();
+        match phrase {
+            Some(phrase) => assert.stderr(contains(phrase)),
+            None => assert.stderr(contains("too close").not()),
+        };
+    }
+}
+
 /// A crop is that part of the film, to the bit, for every method.
 #[test]
 fn a_crop_is_a_part_of_the_film() {

@@ -4,13 +4,14 @@
     python3 benches/scenes/run.py FOLDER [--list LIST.txt] [--spp 64] [--size 64x48] [--only PART]
 
 Prints a Markdown table, a line for each scene: whether it loads or what it is refused for, the mean of the image
-over that of Mitsuba 3's, and the number of tiles of 8 x 8 pixels that differ. The scenes are the files in
-LIST.txt, or else all XML files below the folder whose root is a <scene>.
+over that of Mitsuba 3's with its standard error, and the number of tiles of 8 x 8 pixels that differ. The scenes
+are the files in LIST.txt, or else all XML files below the folder whose root is a <scene>.
 
 Null hypothesis for each tile: the means over our renderings and over Mitsuba's are equal. Each program renders
 SEEDS times; a tile differs if |z| of the difference of its luminance exceeds the threshold of the Bonferroni
 correction over the tiles of an image at ALPHA, so that a correct image has a differing tile with probability
-ALPHA. Without the Python package `mitsuba` the last two columns are empty.
+ALPHA. A star after the ratio says that Mitsuba 3 refuses the file, and rendered it without what it does not know
+(mitsuba3.py). Without the Python package `mitsuba` the last two columns are empty.
 """
 
 import argparse
@@ -22,6 +23,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+import mitsuba3
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "target/release/metrolight"
@@ -63,6 +66,7 @@ def check(path, args, defines):
 def refusals(report):
     """The reasons for which a scene is refused, without their places; none if it loads."""
     reasons = [re.sub(r"^\S+?:\d+:\d+: ", "", reason) for reason in report.get("errors", [])]
+    reasons = [re.sub(r"/\S*/", "", reason) for reason in reasons]
     reasons = [re.sub(r" \(known: .*\)|; did you mean.*", "", reason) for reason in reasons]
     return list(dict.fromkeys(reasons))
 
@@ -88,8 +92,8 @@ def ours(path, args, defines, size, folder):
     images = []
     for seed in range(SEEDS):
         out = Path(folder) / "ours.exr"
-        words = ["--integrator", "path", "--spp", args.spp, "--size", f"{size[0]}x{size[1]}", "--seed", seed, "-q", "-o", out]
-        finished = run(args.program, "render", path, *words, *defines)
+        words = ["--spp", args.spp, "--size", f"{size[0]}x{size[1]}", "--seed", seed, "-q", "-o", out]
+        finished = run(args.program, "render", path, "--integrator", "path", *words, *defines)
         if finished.returncode != 0:
             return None
         images.append(read(out))
@@ -103,28 +107,8 @@ def read(path):
     return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
 
 
-def theirs(path, args, size):
-    """Mitsuba's renderings with its path tracer, under the depth limits of the scene; None if it cannot."""
-    import mitsuba as mi
-    import numpy as np
-
-    try:
-        scene = mi.load_file(str(path), **dict(define.split("=", 1) for define in args.defines))
-        params = mi.traverse(scene)
-        film = next(key for key in params.keys() if key.endswith("film.size"))
-        params[film] = size
-        params[film.replace("size", "crop_size")] = size
-        params[film.replace("size", "crop_offset")] = (0, 0)
-        params.update()
-        images = [np.array(mi.render(scene, spp=args.spp, seed=100 + i))[..., :3] for i in range(SEEDS)]
-    except (RuntimeError, StopIteration, KeyError) as error:
-        print(f"{path}: Mitsuba: {error}".splitlines()[0], file=sys.stderr)
-        return None
-    return images
-
-
 def compare(own, other):
-    """The ratio of the means, and how many of how many tiles differ."""
+    """The ratio of the means and its standard error, and how many of how many tiles differ."""
     import numpy as np
 
     own, other = (np.stack(images).astype(np.float64) @ np.array(LUMINANCE) for images in (own, other))
@@ -141,8 +125,12 @@ def compare(own, other):
     z = np.abs(a.mean(axis=0) - b.mean(axis=0)) / error
     # Student's t with 14 degrees of freedom is close to normal here but for its tails: a margin covers them.
     threshold = 1.6 * statistics.NormalDist().inv_cdf(1 - ALPHA / (2 * z.size))
-    mean = other.mean()
-    return own.mean() / mean if mean > 0 else 1.0, int((z > threshold).sum()), z.size
+    means = [images.mean(axis=(1, 2)) for images in (own, other)]
+    ratio, spread = 1.0, 0.0
+    if means[1].mean() > 0:
+        ratio = means[0].mean() / means[1].mean()
+        spread = np.sqrt(sum(m.var(ddof=1) / len(m) for m in means)) / means[1].mean()
+    return ratio, spread, int((z > threshold).sum()), z.size
 
 
 def main():
@@ -169,13 +157,18 @@ def main():
         if not reasons:
             loaded += 1
             size = size_within(report, tuple(map(int, args.size.split("x"))))
-            other = theirs(path, args, size) if has_mitsuba else None
+            seeds = range(100, 100 + SEEDS)
+            words = dict(define.split("=", 1) for define in args.defines)
+            depth = report["contents"]["depth"]
+            other = mitsuba3.render(path, words, depth, size, args.spp, seeds) if has_mitsuba else None
             if other is not None:
                 with tempfile.TemporaryDirectory() as folder:
                     own = ours(path, args, defines, size, folder)
                 if own is not None:
-                    mean, count, tiles = compare(own, other)
-                    ratio, differing = f"{mean:.4f}", f"{count} of {tiles}"
+                    images, is_edited = other
+                    mean, spread, count, tiles = compare(own, images)
+                    ratio = f"{mean:.4f}{'*' if is_edited else ''} ± {spread:.4f}"
+                    differing = f"{count} of {tiles}"
         verdict = "yes" if not reasons else "no: " + "; ".join(reasons)
         print(f"| `{name}` | {verdict} | {ratio} | {differing} |", flush=True)
     print(f"\n{loaded} of {total} load.")

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, stderr};
 
-use metrolight::analysis::odd_view;
+use metrolight::analysis::{near_surfaces, odd_view};
 use metrolight::film::Filter;
 use metrolight::mitsuba::LoadError;
 use metrolight::render::{Memory, Method, Settings};
@@ -45,6 +45,7 @@ pub fn run(args: &Args) -> miette::Result<Outcome> {
     let progress = Progress::new(args.json, stderr().is_terminal());
     let mut warnings = opened.warnings.clone();
     warnings.extend(odd_view(&opened.scene).iter().map(wording::odd_view));
+    warnings.extend(near_surfaces(&opened.scene).map(|near| wording::near_surfaces(&near)));
     warnings.extend(opened.lost_light(TechniqueSet::Bidirectional, None, &progress));
     let contents = describe(&opened.scene);
     if args.json {

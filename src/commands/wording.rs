@@ -2,7 +2,7 @@
 
 use metrolight::analysis::lost_light::PROBES;
 use metrolight::analysis::trapped_light::BOUNCES;
-use metrolight::analysis::{Loss, LostLight, OddView, TrappedLight};
+use metrolight::analysis::{Loss, LostLight, NearSurfaces, OddView, TrappedLight};
 use metrolight::render::{Choice, ChoiceReason, Method, SpecularChoice, Warning};
 use metrolight::scene::ChainSearch;
 use metrolight::scene::coincident::Coincident;
@@ -85,6 +85,17 @@ pub fn odd_view(odd: &OddView) -> String {
              with `flip_normals`"
         ),
     }
+}
+
+/// Surfaces that lie too close to be told apart.
+pub fn near_surfaces(near: &NearSurfaces) -> String {
+    let pairs = near.pairs.iter().map(|pair| pair.join(" and "));
+    format!(
+        "surfaces that lie too close to be told apart: {}. Rays pass over one of them; move them more than {:.1e} \
+         apart",
+        some_of(&pairs.collect::<Vec<_>>()),
+        near.distance
+    )
 }
 
 /// The first names of a list, and how many more there are.

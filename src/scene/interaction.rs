@@ -37,12 +37,12 @@ impl SurfacePoint {
 /// whether a ray hits that triangle again subtracts its origin from the corners, an error of u times their
 /// distance, and then shears and weighs them; the signed distance of the origin is right to within 6 u R in
 /// the tests of grazing rays. Spheres are intersected in f64, which leaves the rounding of the point.
-const OFFSET: f32 = 12.0 * f32::EPSILON / 2.0 * super::SCENE_RADIUS;
+pub const RAY_OFFSET: f32 = 12.0 * f32::EPSILON / 2.0 * super::SCENE_RADIUS;
 
 /// `position` offset from its surface to the side into which `direction` points, so that a ray from there does
-/// not hit the surface that it leaves. A surface further away than [`OFFSET`] is not passed over.
+/// not hit the surface that it leaves. A surface further away than [`RAY_OFFSET`] is not passed over.
 #[inline]
 pub fn offset(position: Vec3A, geometric_normal: Vec3A, direction: Vec3A) -> Vec3A {
-    let side = OFFSET.copysign(geometric_normal.dot(direction));
+    let side = RAY_OFFSET.copysign(geometric_normal.dot(direction));
     position + geometric_normal * side
 }
