@@ -105,7 +105,7 @@ fn surfaces_too_close_to_be_told_apart_are_named() {
     let box_on_floor = format!(
         r#"<shape type="cube"><transform name="to_world"><scale value="0.25"/><translate z="0.25"/></transform></shape>{FLOOR}"#
     );
-    let named = "too close to be told apart: shape \"Glass\" and shape \"Floor\"";
+    let named = "too close to be told apart: shape \"Glass\" (near.xml:";
     let place = Workplace::new();
     for (body, phrase) in [
         (glass("3e-7"), Some(named)),
