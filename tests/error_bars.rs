@@ -14,7 +14,7 @@ use metrolight::metrics::relative_mse;
 use metrolight::render::{
     Budget, ErrorEstimate, Method, Rendering, Settings, Unobserved, Warning, render,
 };
-use metrolight::scene::{Casters, Scene};
+use metrolight::scene::{ChainSearch, Scene};
 use metrolight::statistics::Moments;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -182,7 +182,7 @@ fn errors_that_are_probably_too_low_give_a_warning() {
         let told = |path: &str| {
             let mut scene = common::load(path, &[("resx", "48"), ("resy", "36")]);
             // Technique 1* would find the light of the pool.
-            scene.casters = Casters::none();
+            scene.casters.set_search(ChainSearch::Off);
             let settings = with_pssmlt(
                 Settings {
                     budget: Budget::SamplesPerPixel(spp),

@@ -14,7 +14,7 @@ mod whole_path;
 use std::collections::BTreeMap;
 
 use metrolight::integrators::{BidirectionalPathTracer, PathSampler, Workspace};
-use metrolight::scene::{Casters, ChainSearch, Scene};
+use metrolight::scene::{ChainSearch, Scene};
 use proptest::prelude::*;
 use random::random_scene;
 use whole_path::whole_path;
@@ -94,7 +94,7 @@ fn weights_equal_the_reference_on_all_kinds_of_emitters_and_materials() {
         let some = compare(&scene, 8000);
         scene.casters.set_search(ChainSearch::Everywhere);
         let all = compare(&scene, 4000);
-        scene.casters = Casters::none();
+        scene.casters.set_search(ChainSearch::Off);
         let none = compare(&scene, 8000);
         for (seen, wanted) in [(none, techniques), (some, chains), (all, chains_everywhere)] {
             for technique in wanted.split_whitespace() {

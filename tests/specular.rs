@@ -17,7 +17,7 @@ use metrolight::render::{
     Budget, Integrator, Method, Settings, Strategies, Unobserved, choose_specular, render,
     strategies,
 };
-use metrolight::scene::{Casters, ChainSearch, EmitterDescription, Scene};
+use metrolight::scene::{ChainSearch, EmitterDescription, Scene};
 use metrolight::technique::Technique;
 use pool::{ALBEDO, Light, add_light, pool, pool_under};
 
@@ -41,7 +41,7 @@ fn room(light: Light, depth: u32) -> SceneBuilder {
 }
 
 fn without_chains(mut scene: Scene) -> Scene {
-    scene.casters = Casters::none();
+    scene.casters.set_search(ChainSearch::Off);
     scene
 }
 

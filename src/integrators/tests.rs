@@ -8,7 +8,7 @@ use crate::math::{Rgb, luminance};
 use crate::sampling::IndependentSampler;
 use crate::sampling::seeds::Purpose;
 use crate::scene::test_scenes::{self, emitting};
-use crate::scene::{Casters, ChainSearch, Material, Scene, Texture, TriangleMesh};
+use crate::scene::{ChainSearch, Material, Scene, Texture, TriangleMesh};
 use crate::statistics::Moments;
 use crate::technique::Technique;
 
@@ -106,7 +106,7 @@ fn z(a: &Moments, b: &Moments) -> f64 {
 /// of the density.
 fn deviations(fault: Option<Fault>, everywhere: bool) -> [f64; 3] {
     let mut without = scene();
-    without.casters = Casters::none();
+    without.casters.set_search(ChainSearch::Off);
     let mut with = scene();
     if everywhere {
         with.casters.set_search(ChainSearch::Everywhere);

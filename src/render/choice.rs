@@ -68,7 +68,7 @@ pub fn choose(
     in_pool(settings.threads, || {
         let is_over = || settings.pilot_is_over(start) || observer.interrupted();
         let plan = Plan::new(scene, settings.seed, method_settings, is_over);
-        let gain = plan.clamp.gain();
+        let gain = plan.clamp.gain.powi(2);
         let rare_light = lost.iter().any(|lost| lost.loss == Loss::Nearly);
         let samples = plan.samples;
         let integrator = if gain > MIN_GAIN || rare_light {

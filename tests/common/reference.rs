@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use metrolight::render::Settings;
-use metrolight::scene::{Casters, Scene};
+use metrolight::scene::{ChainSearch, Scene};
 use serde::Deserialize;
 
 use super::comparison::{Comparison, Renderings, uniformity};
@@ -67,7 +67,7 @@ impl Entry {
         let mut scene = super::load(&self.scene, &defines);
         if self.methods == Methods::Path {
             // Mitsuba's path tracer does not find the light of technique 1*.
-            scene.casters = Casters::none();
+            scene.casters.set_search(ChainSearch::Off);
         }
         scene
     }

@@ -6,7 +6,7 @@
 
 use glam::{DMat4, DVec3};
 use metrolight::render::{Budget, Method, Rendering, Settings, Unobserved, Warning, render};
-use metrolight::scene::{Casters, Scene, TriangleMesh};
+use metrolight::scene::{ChainSearch, Scene, TriangleMesh};
 use metrolight::statistics::{Moments, normal_two_sided, welch};
 
 use super::rooms::{add_glass_ball, add_lamp, behind_two_panes, room};
@@ -124,7 +124,7 @@ fn no_light_at_all_is_a_black_image_and_a_warning() {
 fn light_that_few_bootstrap_samples_find_gives_a_warning() {
     let mut scene = behind_two_panes(0.004);
     // Technique 1* would find it.
-    scene.casters = Casters::none();
+    scene.casters.set_search(ChainSearch::Off);
     let settings = with_pssmlt(pssmlt(16), |own| {
         own.bootstrap = Some(100_000);
     });

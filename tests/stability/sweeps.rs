@@ -7,7 +7,7 @@ use glam::{DMat4, DVec3};
 use metrolight::analysis::lost_light;
 use metrolight::metrics::relative_mse;
 use metrolight::render::{Budget, Method, Rendering, Settings, Unobserved, render};
-use metrolight::scene::{Casters, MicrofacetDistribution, Scene, TriangleMesh};
+use metrolight::scene::{ChainSearch, MicrofacetDistribution, Scene, TriangleMesh};
 use metrolight::statistics::Moments;
 use serde::Serialize;
 
@@ -245,7 +245,7 @@ fn a_lamp_behind_two_panes_is_found_whatever_its_size() {
     let told = |area: f64, chains: bool| {
         let mut scene = Sweep::LampBehindTwoPanes.scene(area);
         if !chains {
-            scene.casters = Casters::none();
+            scene.casters.set_search(ChainSearch::Off);
         }
         METHODS.map(|integrator| lost_light(&scene, integrator.techniques()).len())
     };

@@ -5,7 +5,7 @@
 use glam::{DMat4, DVec3};
 use metrolight::math::Rgb;
 use metrolight::scene::{
-    Casters, EmitterDescription, Material, Radiance, Scene, ShapeDescription, ShapeGeometry,
+    ChainSearch, EmitterDescription, Material, Radiance, Scene, ShapeDescription, ShapeGeometry,
     Texture, ThinLens, TriangleMesh,
 };
 
@@ -69,7 +69,7 @@ pub fn plates(emitter: Emitter, lens: Lens, glass_and_mirror: bool, depth: u32) 
     }
     let mut scene = builder.build();
     // The classes are those that the techniques (s, t) find or miss.
-    scene.casters = Casters::none();
+    scene.casters.set_search(ChainSearch::Off);
     scene
 }
 

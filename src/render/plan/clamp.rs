@@ -59,10 +59,9 @@ pub struct Clamp {
     unclamped_edges: usize,
     /// e of (2).
     pub energy: f64,
-    /// (3) with chains. Its square is proportional to the error at equal time.
-    pub score: f64,
-    /// (3) without chains: infinite tau.
-    pub unclamped_score: f64,
+    /// (3) without chains (infinite tau) over (3) with them. Its square is the expected ratio of errors at
+    /// equal time.
+    pub gain: f64,
 }
 
 impl Clamp {
@@ -84,28 +83,19 @@ impl Clamp {
                 0
             },
             energy: 1.0,
-            score: 0.0,
-            unclamped_score: 0.0,
+            gain: 1.0,
         };
         let moments = Moments::new(&clamp, pilot);
-        clamp.unclamped_score = moments.score(f64::INFINITY);
+        let unclamped = moments.score(f64::INFINITY);
         let best = match settings.threshold {
             Some(threshold) => f64::from(threshold),
             None => moments.best(),
         };
         clamp.threshold = best as f32;
         clamp.energy = moments.energy(best);
-        clamp.score = moments.score(best);
+        let best = moments.score(best);
+        clamp.gain = if best > 0.0 { unclamped / best } else { 1.0 };
         clamp
-    }
-
-    /// Expected error without chains over that with them, at equal time.
-    pub fn gain(&self) -> f64 {
-        if self.score > 0.0 {
-            (self.unclamped_score / self.score).powi(2)
-        } else {
-            1.0
-        }
     }
 
     /// Divides the weighted contribution of a path of `edges` edges into the clamped part and the residual.
@@ -289,10 +279,10 @@ mod tests {
     #[test]
     fn chains_reduce_the_error_if_few_paths_have_much_light() {
         let even = clamp(&pilot(1 << 14, |_| 1.0));
-        assert!((even.gain() - 1.0).abs() < 1e-3, "{}", even.gain());
+        assert!((even.gain - 1.0).abs() < 1e-3, "{}", even.gain);
         let rare = |i: u64| if i.is_multiple_of(1000) { 1000.0 } else { 1.0 };
         let uneven = clamp(&pilot(1 << 14, rare));
-        assert!(uneven.gain() > 2.0, "{}", uneven.gain());
+        assert!(uneven.gain > 2.0, "{}", uneven.gain);
         assert!(
             (1.0..400.0).contains(&uneven.threshold),
             "{}",
@@ -308,7 +298,7 @@ mod tests {
                 ..MmltSettings::default()
             };
             let dark = Clamp::new([64, 48], &pilot(1 << 12, |_| 0.0), &settings);
-            assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain() == 1.0);
+            assert!(dark.threshold.is_finite() && dark.energy > 0.0 && dark.gain == 1.0);
             let [clamped, residual] = dark.split(5, grey(1.0, [0.5, 0.5]));
             assert_eq!(clamped.value.x + residual.value.x, 1.0);
         }

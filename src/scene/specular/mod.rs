@@ -63,7 +63,7 @@ enum Caster {
 }
 
 /// All casters of a scene.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Casters {
     /// In the order of their shapes.
     casters: Vec<Caster>,
@@ -134,11 +134,6 @@ impl Casters {
             max_length,
             search: ChainSearch::default(),
         }
-    }
-
-    /// Without casters: chains are not sought.
-    pub fn none() -> Self {
-        Self::default()
     }
 
     /// True if no chain is sought: no shape reflects or refracts without roughness, or the search is off.
