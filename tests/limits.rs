@@ -137,20 +137,7 @@ fn messages_quote_a_line_at_most() {
 
 #[cfg(unix)]
 mod unix {
-    use std::process::{Command, Output, Stdio};
-
     use super::*;
-
-    fn shell(place: &Workplace, script: &str) -> Output {
-        let program = assert_cmd::cargo::cargo_bin("metrolight");
-        let script = script.replace("metrolight", &program.display().to_string());
-        Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(place.path(""))
-            .stdin(Stdio::null())
-            .output()
-            .expect("started")
-    }
 
     /// The limits are on the address space, in units of 1024 bytes.
     #[test]
@@ -169,7 +156,7 @@ mod unix {
                 "fewer --chains or --bootstrap samples",
             ),
         ] {
-            let output = shell(&place, &format!("{render} {options}"));
+            let output = place.shell(&format!("{render} {options}"));
             let stderr = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{options}: {stderr}");
             for part in [message, "this needs", "GB are available"] {
@@ -198,7 +185,7 @@ mod unix {
         fs::write(place.path("black.xml"), scene).expect("written");
         for (limit, file) in [(600_000, "black"), (100_000, "spheres")] {
             let script = format!("ulimit -v {limit}; metrolight check {file}.xml");
-            let output = shell(&place, &script);
+            let output = place.shell(&script);
             let stderr = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{file}: {stderr}");
             assert!(stderr.contains("memory"), "{file}: {stderr}");
@@ -217,7 +204,7 @@ mod unix {
             "completions bash",
             "render sky.xml --spp 1 --integrator path",
         ] {
-            let output = shell(&place, &format!("metrolight {command} > /dev/full"));
+            let output = place.shell(&format!("metrolight {command} > /dev/full"));
             let stderr = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(1), "{command}: {stderr}");
             assert!(
@@ -238,7 +225,7 @@ mod unix {
             metrolight compare $n.exr $n.png -o c && metrolight report c -o $n.html && \
             metrolight strategies $n.xml --spp 1 -o $n && \
             metrolight converge $n.xml --spp 1 --repeats 1 -o $n && ls $n.exr $n.html $n.json";
-        let output = shell(&place, script);
+        let output = place.shell(script);
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{stderr}");
     }

@@ -267,7 +267,7 @@ fn temporary_files_of_killed_processes_are_removed() {
 
 #[cfg(unix)]
 mod unix {
-    use std::process::{Command, Output, Stdio};
+    use std::process::{Command, Output};
 
     use super::*;
     use common::interrupt::{Running, interrupt_by};
@@ -304,14 +304,7 @@ mod unix {
 
     /// The program under a limit of `blocks` on the size of a file, in units of 512 bytes.
     fn with_file_limit(place: &Workplace, blocks: u32, arguments: &str) -> Output {
-        let program = assert_cmd::cargo::cargo_bin("metrolight");
-        let script = format!("ulimit -f {blocks}; exec {} {arguments}", program.display());
-        Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(place.path(""))
-            .stdin(Stdio::null())
-            .output()
-            .expect("started")
+        place.shell(&format!("ulimit -f {blocks}; exec metrolight {arguments}"))
     }
 
     /// If it were noticed only at the end, the render would take an hour.

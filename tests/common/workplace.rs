@@ -75,6 +75,23 @@ impl Workplace {
         command
     }
 
+    /// The output of a shell that runs `script`, in which `metrolight` is the program.
+    #[cfg(unix)]
+    pub fn shell(&self, script: &str) -> std::process::Output {
+        let program = assert_cmd::cargo::cargo_bin("metrolight");
+        std::process::Command::new("sh")
+            .args([
+                "-c",
+                &script.replace("metrolight", &program.display().to_string()),
+            ])
+            .current_dir(self.0.path())
+            // With it, the runtime shows a stack where memory cannot be allocated: whoever sets it has asked for that.
+            .env_remove("RUST_BACKTRACE")
+            .stdin(std::process::Stdio::null())
+            .output()
+            .expect("started")
+    }
+
     /// Asserts that the program rejects `arguments` with exit code 2 and an explanation on stderr that
     /// contains `message`.
     pub fn assert_rejects(&self, arguments: &str, message: &str) {
