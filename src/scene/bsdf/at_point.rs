@@ -9,6 +9,7 @@ use super::context::MaterialContext;
 use super::dielectric::DielectricBsdf;
 use super::diffuse::DiffuseBsdf;
 use super::disney_sum::DisneySumBsdf;
+use super::layered::LayeredBsdf;
 use super::mask::MaskBsdf;
 use super::material::Material;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, DeltaLobe, TransportMode};
@@ -166,7 +167,7 @@ macro_rules! at_point {
                 $result
             }
             Material::Principled(principled) => {
-                let $bsdf = PrincipledBsdf::new(principled, context);
+                let $bsdf = LayeredBsdf(PrincipledBsdf::new(principled, context));
                 $result
             }
             Material::PrincipledThin(principled) => {
@@ -174,7 +175,7 @@ macro_rules! at_point {
                 $result
             }
             Material::DisneySum(disney) => {
-                let $bsdf = DisneySumBsdf::new(disney, context);
+                let $bsdf = LayeredBsdf(DisneySumBsdf::new(disney, context));
                 $result
             }
             Material::Mask { opacity, covered } => {

@@ -6,6 +6,8 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{Vec2, Vec3A};
 
+use super::context::MaterialContext;
+use super::microfacet::{MicrofacetDistribution, Microfacets};
 use crate::math::{Rgb, luminance};
 
 /// Minimum of the roughness alpha.
@@ -23,6 +25,17 @@ pub(super) fn alphas(roughness: f32, anisotropic: f32) -> Vec2 {
     let aspect = aspect(anisotropic);
     let alpha = roughness * roughness;
     Vec2::new(alpha / aspect, alpha * aspect).max(Vec2::splat(MIN_ALPHA))
+}
+
+/// GGX microfacets of the roughness alpha along the tangent and across it.
+#[inline]
+pub(super) fn microfacets(alphas: Vec2, context: &MaterialContext) -> Microfacets {
+    let ggx = MicrofacetDistribution::Ggx;
+    if alphas.x == alphas.y {
+        Microfacets::isotropic(ggx, alphas.x)
+    } else {
+        Microfacets::anisotropic(ggx, alphas, context.tangent())
+    }
 }
 
 /// (1 - cos)^5 (Schlick 1994, "An inexpensive BRDF model for physically-based rendering").

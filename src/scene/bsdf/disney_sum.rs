@@ -13,11 +13,12 @@ use glam::{Vec2, Vec3A};
 
 use super::context::MaterialContext;
 use super::disney::{self, Base, ClearcoatMicrofacets};
-use super::facet::{Facet, VisibleFacet};
-use super::microfacet::{MicrofacetDistribution, Microfacets};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use super::facet::Facet;
+use super::layered::Layers;
+use super::microfacet::Microfacets;
+use super::model::BsdfEvaluation;
 use crate::math::Rgb;
-use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::sampling::warp::cosine_hemisphere_pdf;
 
 /// The lobes of a [`DisneySum`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,8 +152,8 @@ impl DisneySumBsdf {
         let metallic = scalar(material.metallic);
         let tint = Rgb::ONE.lerp(disney::hue(color), scalar(material.specular_tint));
         let dielectric = scalar(material.specular) * disney::normal_reflectance(material.eta);
-        let ggx = MicrofacetDistribution::Ggx;
-        let alpha = roughness * roughness;
+        let (alpha, aspect) = (roughness * roughness, disney::aspect(anisotropic));
+        let alphas = Vec2::new(alpha / aspect, alpha * aspect);
         Self {
             weights: Weights::new(material, scalar),
             base: Base {
@@ -164,15 +165,21 @@ impl DisneySumBsdf {
             },
             metal_reflectance: tint * (dielectric * (1.0 - metallic)) + color * metallic,
             clearcoat_microfacets: ClearcoatMicrofacets::new(scalar(material.clearcoat_gloss)),
-            microfacets: if anisotropic == 0.0 {
-                Microfacets::isotropic(ggx, alpha)
-            } else {
-                let aspect = disney::aspect(anisotropic);
-                let alphas = Vec2::new(alpha / aspect, alpha * aspect);
-                Microfacets::anisotropic(ggx, alphas, context.tangent())
-            },
+            microfacets: disney::microfacets(alphas, context),
             eta: material.eta,
         }
+    }
+}
+
+impl Layers for DisneySumBsdf {
+    #[inline]
+    fn microfacets(&self) -> (&Microfacets, f32) {
+        (&self.microfacets, self.eta)
+    }
+
+    #[inline]
+    fn clearcoat_microfacets(&self) -> &ClearcoatMicrofacets {
+        &self.clearcoat_microfacets
     }
 
     /// The diffuse lobe, sheen and the clearcoat. Both directions are in front.
@@ -211,18 +218,21 @@ impl DisneySumBsdf {
             }
     }
 
-    /// Probabilities of reflection and of transmission by a microfacet of Fresnel reflectance `reflectance`, for a
-    /// direction in front or inside. From inside there is nothing but glass.
     #[inline]
-    fn facet_choices(&self, reflectance: f32, in_front: bool) -> (f32, f32) {
-        if in_front {
-            let Weights { metal, glass, .. } = self.weights.probabilities();
-            (metal + glass * reflectance, glass * (1.0 - reflectance))
-        } else if self.weights.glass > 0.0 {
-            (reflectance, 1.0 - reflectance)
-        } else {
-            (0.0, 0.0)
-        }
+    fn layer_choices(&self) -> [f32; 2] {
+        let chosen = self.weights.probabilities();
+        [chosen.diffuse, chosen.clearcoat]
+    }
+
+    #[inline]
+    fn front_choices(&self, reflectance: f32) -> (f32, f32) {
+        let Weights { metal, glass, .. } = self.weights.probabilities();
+        (metal + glass * reflectance, glass * (1.0 - reflectance))
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.weights.glass > 0.0
     }
 
     /// Reflectance or transmittance of a microfacet: the weighted sum of those of f_metal and f_glass.
@@ -239,66 +249,5 @@ impl DisneySumBsdf {
         let r0 = self.metal_reflectance;
         let schlick = r0 + (Rgb::ONE - r0) * disney::schlick_weight(facet.cos);
         reflected + metal * schlick
-    }
-}
-
-impl Bsdf for DisneySumBsdf {
-    fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
-        if to_light.z == 0.0 || to_camera.z == 0.0 {
-            return BsdfEvaluation::ZERO;
-        }
-        let (light_in_front, in_front) = (to_light.z > 0.0, to_camera.z > 0.0);
-        let layers = if light_in_front && in_front {
-            self.evaluate_layers(to_light, to_camera)
-        } else {
-            BsdfEvaluation::ZERO
-        };
-        let Some(facet) = Facet::between(&self.microfacets, self.eta, to_light, to_camera) else {
-            return layers;
-        };
-        let probability = |from_front: bool| {
-            let (reflection, transmission) = self.facet_choices(facet.reflectance, from_front);
-            if facet.reflects {
-                reflection
-            } else {
-                transmission
-            }
-        };
-        layers
-            + BsdfEvaluation {
-                f: facet.lobe * self.facet_color(&facet, in_front),
-                pdf_to_light: facet.pdf_to_light * probability(in_front),
-                pdf_to_camera: facet.pdf_to_camera * probability(light_in_front),
-            }
-    }
-
-    fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        if from.z == 0.0 {
-            return None;
-        }
-        let in_front = from.z > 0.0;
-        let mut u_lobe = u_lobe;
-        if in_front {
-            let chosen = self.weights.probabilities();
-            if u_lobe < chosen.diffuse {
-                return self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0);
-            }
-            if u_lobe < chosen.diffuse + chosen.clearcoat {
-                let direction = self.clearcoat_microfacets.sample_reflection(from, u)?;
-                return self.density_sample(from, direction, mode, 1.0);
-            }
-            u_lobe -= chosen.diffuse + chosen.clearcoat;
-        }
-        let facet = VisibleFacet::sample(&self.microfacets, self.eta, from, u);
-        let (reflection, transmission) = self.facet_choices(facet.reflectance(), in_front);
-        // The sum is below 1 by the rounding of `u_lobe`: transmission comes first, as it may be impossible.
-        let (direction, eta) = if u_lobe < transmission {
-            (facet.refracted()?, facet.eta())
-        } else if reflection > 0.0 {
-            (facet.reflected()?, 1.0)
-        } else {
-            return None;
-        };
-        self.density_sample(from, direction, mode, eta)
     }
 }

@@ -17,6 +17,7 @@ mod disney_sum;
 mod facet;
 mod fresnel;
 pub mod ior;
+mod layered;
 mod mask;
 mod material;
 pub mod metals;

@@ -4,15 +4,16 @@
 //! It is the sum of a diffuse base with sheen, a clearcoat, and rough reflection and transmission by the same
 //! microfacets. Metals and dielectrics are blended by the weight of each.
 
-use glam::{Vec2, Vec3A};
+use glam::Vec3A;
 
 use super::context::MaterialContext;
 use super::disney::{self, Base, ClearcoatMicrofacets};
-use super::facet::{Facet, VisibleFacet};
-use super::microfacet::{MicrofacetDistribution, Microfacets};
-use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
+use super::facet::Facet;
+use super::layered::Layers;
+use super::microfacet::Microfacets;
+use super::model::BsdfEvaluation;
 use crate::math::Rgb;
-use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
+use crate::sampling::warp::cosine_hemisphere_pdf;
 
 /// Parameters of `Material::Principled`: indices of textures whose values are from 0 to 1, and the index of
 /// refraction.
@@ -65,7 +66,6 @@ impl PrincipledBsdf {
         let roughness = scalar(material.roughness);
         let anisotropic = scalar(material.anisotropic);
         let alphas = disney::alphas(roughness, anisotropic);
-        let ggx = MicrofacetDistribution::Ggx;
         Self {
             base: Base {
                 color: context.texture(material.base_color).color(),
@@ -79,11 +79,7 @@ impl PrincipledBsdf {
             spec_tint: scalar(material.spec_tint),
             clearcoat: scalar(material.clearcoat),
             clearcoat_microfacets: ClearcoatMicrofacets::new(scalar(material.clearcoat_gloss)),
-            microfacets: if anisotropic == 0.0 {
-                Microfacets::isotropic(ggx, alphas.x)
-            } else {
-                Microfacets::anisotropic(ggx, alphas, context.tangent())
-            },
+            microfacets: disney::microfacets(alphas, context),
             eta: material.eta,
         }
     }
@@ -118,6 +114,36 @@ impl PrincipledBsdf {
             sum += (1.0 - self.metallic) * self.spec_tint * tinted;
         }
         sum
+    }
+
+    /// Probabilities of the lobes from the front, in proportion to their weights.
+    #[inline]
+    fn choices(&self) -> Choices {
+        let total = 1.0 + 0.25 * self.clearcoat + self.base_weight();
+        Choices {
+            base: self.base_weight() / total,
+            clearcoat: 0.25 * self.clearcoat / total,
+            specular: total.recip(),
+        }
+    }
+}
+
+/// Probabilities of lobes.
+struct Choices {
+    base: f32,
+    clearcoat: f32,
+    specular: f32,
+}
+
+impl Layers for PrincipledBsdf {
+    #[inline]
+    fn microfacets(&self) -> (&Microfacets, f32) {
+        (&self.microfacets, self.eta)
+    }
+
+    #[inline]
+    fn clearcoat_microfacets(&self) -> &ClearcoatMicrofacets {
+        &self.clearcoat_microfacets
     }
 
     /// The base, its sheen and the clearcoat, with the densities of sampling the first and the last. Both
@@ -155,106 +181,33 @@ impl PrincipledBsdf {
             }
     }
 
-    /// Probabilities of the lobes from the front, in proportion to their weights.
     #[inline]
-    fn choices(&self) -> Choices {
-        let total = 1.0 + 0.25 * self.clearcoat + self.base_weight();
-        Choices {
-            base: self.base_weight() / total,
-            clearcoat: 0.25 * self.clearcoat / total,
-            specular: total.recip(),
-        }
+    fn layer_choices(&self) -> [f32; 2] {
+        let Choices {
+            base, clearcoat, ..
+        } = self.choices();
+        [base, clearcoat]
     }
 
-    /// Probabilities of reflection and of transmission by a microfacet of Fresnel reflectance `reflectance`, for a
-    /// direction in front or inside. From inside there is nothing else.
     #[inline]
-    fn facet_choices(&self, reflectance: f32, in_front: bool) -> (f32, f32) {
-        let transmission = self.transmission_weight();
-        if in_front {
-            let specular = self.choices().specular;
-            let transmitted = transmission * (1.0 - reflectance);
-            (specular * (1.0 - transmitted), specular * transmitted)
-        } else if transmission > 0.0 {
-            (reflectance, 1.0 - reflectance)
-        } else {
-            (0.0, 0.0)
-        }
+    fn front_choices(&self, reflectance: f32) -> (f32, f32) {
+        let specular = self.choices().specular;
+        let transmitted = self.transmission_weight() * (1.0 - reflectance);
+        (specular * (1.0 - transmitted), specular * transmitted)
     }
-}
 
-/// Probabilities of lobes.
-struct Choices {
-    base: f32,
-    clearcoat: f32,
-    specular: f32,
-}
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.transmission_weight() > 0.0
+    }
 
-impl Bsdf for PrincipledBsdf {
-    fn evaluate(&self, to_light: Vec3A, to_camera: Vec3A) -> BsdfEvaluation {
-        if to_light.z == 0.0 || to_camera.z == 0.0 {
-            return BsdfEvaluation::ZERO;
-        }
-        let (light_in_front, in_front) = (to_light.z > 0.0, to_camera.z > 0.0);
-        let layers = if light_in_front && in_front {
-            self.evaluate_layers(to_light, to_camera)
+    #[inline]
+    fn facet_color(&self, facet: &Facet, in_front: bool) -> Rgb {
+        if facet.reflects {
+            self.specular_reflectance(facet, in_front)
         } else {
-            BsdfEvaluation::ZERO
-        };
-        let Some(facet) = Facet::between(&self.microfacets, self.eta, to_light, to_camera) else {
-            return layers;
-        };
-        let f = if facet.reflects {
-            facet.lobe * self.specular_reflectance(&facet, in_front)
-        } else {
-            let weight = self.transmission_weight() * (1.0 - facet.reflectance) * facet.lobe;
+            let weight = self.transmission_weight() * (1.0 - facet.reflectance);
             weight * self.base.color.map(f32::sqrt)
-        };
-        let probability = |from_front: bool| {
-            let (reflection, transmission) = self.facet_choices(facet.reflectance, from_front);
-            if facet.reflects {
-                reflection
-            } else {
-                transmission
-            }
-        };
-        layers
-            + BsdfEvaluation {
-                f,
-                pdf_to_light: facet.pdf_to_light * probability(in_front),
-                pdf_to_camera: facet.pdf_to_camera * probability(light_in_front),
-            }
-    }
-
-    fn sample(&self, from: Vec3A, mode: TransportMode, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        if from.z == 0.0 {
-            return None;
         }
-        let in_front = from.z > 0.0;
-        let mut u_lobe = u_lobe;
-        if in_front {
-            let Choices {
-                base, clearcoat, ..
-            } = self.choices();
-            if u_lobe < base {
-                return self.density_sample(from, square_to_cosine_hemisphere(u), mode, 1.0);
-            }
-            if u_lobe < base + clearcoat {
-                let direction = self.clearcoat_microfacets.sample_reflection(from, u)?;
-                return self.density_sample(from, direction, mode, 1.0);
-            }
-            u_lobe -= base + clearcoat;
-        }
-        let facet = VisibleFacet::sample(&self.microfacets, self.eta, from, u);
-        let (reflection, transmission) = self.facet_choices(facet.reflectance(), in_front);
-        // The sum is below 1 by the rounding of `u_lobe`: transmission comes first, as it may be impossible.
-        let (direction, eta) = if u_lobe < transmission {
-            (facet.refracted()?, facet.eta())
-        } else if reflection > 0.0 {
-            (facet.reflected()?, 1.0)
-        } else {
-            return None;
-        };
-        self.density_sample(from, direction, mode, eta)
     }
 }

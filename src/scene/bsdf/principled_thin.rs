@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3A};
 use super::context::MaterialContext;
 use super::disney::{self, Base};
 use super::fresnel;
-use super::microfacet::{MicrofacetDistribution, Microfacets};
+use super::microfacet::Microfacets;
 use super::model::{Bsdf, BsdfEvaluation, BsdfSample, TransportMode};
 use crate::math::Rgb;
 use crate::sampling::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
@@ -56,15 +56,8 @@ impl PrincipledThinBsdf {
         let scalar = |texture: u32| context.texture(texture).luminance();
         let roughness = scalar(material.roughness);
         let anisotropic = scalar(material.anisotropic);
-        let tangent = if anisotropic == 0.0 {
-            Vec2::X
-        } else {
-            context.tangent()
-        };
-        let microfacets = |roughness: f32| {
-            let alphas = disney::alphas(roughness, anisotropic);
-            Microfacets::anisotropic(MicrofacetDistribution::Ggx, alphas, tangent)
-        };
+        let microfacets =
+            |roughness| disney::microfacets(disney::alphas(roughness, anisotropic), context);
         Self {
             base: Base {
                 color: context.texture(material.base_color).color(),
