@@ -56,13 +56,15 @@ pub fn warning(warning: &Warning) -> String {
 
 /// What pilots chose for specular next event estimation.
 pub fn specular_choice(choice: &SpecularChoice) -> String {
-    let place = match choice.search {
-        ChainSearch::Everywhere => "from every vertex",
-        ChainSearch::Unconnected | ChainSearch::Off => "where no other technique connects",
+    let (place, verb) = match choice.search {
+        ChainSearch::Everywhere => ("from every vertex, which", "samples"),
+        ChainSearch::Unconnected | ChainSearch::Off => (
+            "where no other technique connects; from every vertex it",
+            "would sample",
+        ),
     };
     format!(
-        "specular next event estimation: {place} (from every vertex, it samples {:.0}% more of the light at {:.1} times \
-         the cost)",
+        "specular next event estimation {place} {verb} {:.0}% more of the light at {:.1} times the cost",
         100.0 * choice.share,
         choice.cost
     )
